@@ -1,0 +1,12 @@
+//! What leaves the program: the result file, point clouds, tables.
+
+mod csv;
+mod ply;
+mod result;
+
+pub use csv::points_csv;
+pub use ply::{object_ply, vessel_ply};
+pub use result::{
+    IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult, SpotResult,
+    SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+};

@@ -1,0 +1,190 @@
+//! `result.json`: the public format of a reconstruction.
+
+use serde::{Deserialize, Serialize};
+
+use crate::scan::LengthUnit;
+
+/// Generates a struct of the result: public, serialisable, with a schema.
+macro_rules! result {
+    ($($(#[$meta:meta])* pub struct $name:ident { $($(#[$field_meta:meta])* pub $field:ident: $type:ty,)* })*) => {$(
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+        pub struct $name {
+            $($(#[$field_meta])* pub $field: $type,)*
+        }
+    )*};
+}
+
+/// The format's name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum ReconstructionFormat {
+    /// `refractive-reconstruction`
+    #[default]
+    #[serde(rename = "refractive-reconstruction")]
+    RefractiveReconstruction,
+}
+
+/// Where the liquid's index comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum IndexMethod {
+    /// The manifest or the user said it.
+    Given,
+}
+
+/// What the index is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The manifest or the user said it.
+    Given,
+}
+
+/// What became of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// It has an object point.
+    Ok,
+    /// No spot lies on the wall, and no object point was found.
+    NoVesselSpot,
+    /// There is no spot but the wall's.
+    NoObjectSpot,
+    /// There are spots, and all of them were refused.
+    Rejected,
+}
+
+/// What a spot is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SpotRole {
+    /// It lies on the wall's outer face.
+    Vessel,
+    /// It lies on the object.
+    Object,
+    /// Neither.
+    Stray,
+}
+
+/// The wall's outer face, in the world frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "shape", rename_all = "lowercase")]
+pub enum WallResult {
+    /// A flat wall.
+    Plane {
+        /// A point of it, mm.
+        point: [f64; 3],
+        /// Unit normal towards the rig.
+        normal: [f64; 3],
+    },
+}
+
+result! {
+    /// A reconstruction: `result.json`.
+    pub struct ReconstructionResult {
+        /// `refractive-reconstruction`.
+        pub format: ReconstructionFormat,
+        /// The format's version: 1.
+        pub version: u32,
+        /// The scan's name.
+        pub scan: String,
+        /// `mm`.
+        pub length_unit: LengthUnit,
+        /// Refractive indices.
+        pub media: MediaResult,
+        /// The vessel.
+        pub vessel: VesselResult,
+        /// The views, in the manifest's order.
+        pub views: Vec<ViewResult>,
+        /// What to know before trusting it.
+        pub warnings: Vec<String>,
+    }
+
+    /// Refractive indices.
+    pub struct MediaResult {
+        /// Around the rig.
+        pub outside: f64,
+        /// The wall.
+        pub wall: f64,
+        /// The liquid.
+        pub inside: InsideResult,
+    }
+
+    /// The liquid's refractive index.
+    pub struct InsideResult {
+        /// The index; `null` where the scan cannot tell.
+        pub value: Option<f64>,
+        /// One standard deviation; `null` where none is known.
+        pub sigma: Option<f64>,
+        /// Where it comes from.
+        pub method: IndexMethod,
+        /// What it is worth.
+        pub verdict: Verdict,
+    }
+
+    /// The vessel's wall.
+    pub struct VesselResult {
+        /// Shape and place of the outer face.
+        #[serde(flatten)]
+        pub wall: WallResult,
+        /// Millimetres.
+        pub wall_thickness: f64,
+        /// Root mean square distance of the vessel points from the face, mm.
+        pub rms: f64,
+        /// How many vessel points carry it.
+        pub points: usize,
+    }
+
+    /// A view.
+    pub struct ViewResult {
+        /// Its id in the manifest.
+        pub id: String,
+        /// What became of it.
+        pub status: Status,
+        /// Why it has no object point.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub reason: Option<String>,
+        /// The point on the wall's outer face, world frame, mm.
+        pub vessel: Option<[f64; 3]>,
+        /// The point on the object, world frame, mm.
+        pub object: Option<[f64; 3]>,
+        /// One standard deviation along each axis, mm, from the pictures' noise and the wall's fit.
+        pub object_sigma: Option<[f64; 3]>,
+        /// What an error of calibration and of the index adds, common to all points, mm.
+        pub object_sigma_calibration: Option<[f64; 3]>,
+        /// l of Fig. 7, mm.
+        pub ray_distance: Option<f64>,
+        /// The spots that were found.
+        pub spots: Vec<SpotResult>,
+    }
+
+    /// A spot.
+    pub struct SpotResult {
+        /// Its centroid, px.
+        pub pixel: [f64; 2],
+        /// What it is.
+        pub role: SpotRole,
+        /// Why it is not the object's.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub reason: Option<String>,
+    }
+}
+
+impl ReconstructionResult {
+    /// The file's bytes: JSON, indented, with a final line break.
+    ///
+    /// The same reconstruction gives the same bytes everywhere.
+    pub fn to_json(&self) -> String {
+        let mut json = serde_json::to_string_pretty(self)
+            .expect("strings and numbers alone, with string keys, always serialise");
+        json.push('\n');
+        json
+    }
+}

@@ -1,0 +1,111 @@
+use crate::camera::{OutsideLens, Pixel};
+use crate::geometry::{Approach, Camera, ParallelRays, Point, Pose, Ray, World, closest_approach};
+use crate::optics::{Stack, TraceError};
+use crate::rig::Rig;
+use crate::scan::InsideMedium;
+use crate::vessel::Wall;
+
+/// Refractive indices: n1, n2 and n3 of the paper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Optics {
+    /// Around the rig.
+    pub outside: f64,
+    /// The wall.
+    pub wall: f64,
+    /// The liquid.
+    pub liquid: f64,
+}
+
+impl Optics {
+    /// What light from the rig crosses on its way to the object of a view.
+    pub fn stack(&self, wall: &Wall, inside: InsideMedium) -> Stack {
+        let inside = match inside {
+            InsideMedium::Liquid => self.liquid,
+            InsideMedium::Air => self.outside,
+        };
+        wall.stack(self.outside, self.wall, inside)
+    }
+}
+
+/// Where the refracted beam and the refracted line of sight come closest (Fig. 7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// The beam first, the line of sight second, both behind the last face.
+    pub approach: Approach<World>,
+}
+
+impl Meeting {
+    /// The object point P: the midpoint of the shortest segment.
+    pub fn point(&self) -> Point<World> {
+        self.approach.midpoint()
+    }
+
+    /// The ray distance with a sign; its size is l.
+    pub const fn gap(&self) -> f64 {
+        self.approach.gap
+    }
+
+    /// How far behind the last face the nearer of the two feet lies, mm, along the light; negative if
+    /// the rays would have to run backwards.
+    pub fn depth(&self) -> f64 {
+        self.approach.along_first.min(self.approach.along_second)
+    }
+}
+
+/// Why a spot gives no point.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MeetingError {
+    /// The laser beam does not get through the wall.
+    #[error("the laser beam does not get in: {0}")]
+    Beam(TraceError),
+    /// The line of sight does not get through the wall.
+    #[error("the line of sight does not get in: {0}")]
+    Sight(TraceError),
+    /// The two rays are parallel.
+    #[error(transparent)]
+    Parallel(#[from] ParallelRays),
+    /// The pixel has no line of sight.
+    #[error(transparent)]
+    OutsideLens(#[from] OutsideLens),
+}
+
+/// Traces the beam and the line of sight of `pixel` through `stack` and finds where they meet.
+pub fn meet(
+    rig: &Rig,
+    world_from_camera: &Pose<World, Camera>,
+    stack: &Stack,
+    pixel: Pixel,
+) -> Result<Meeting, MeetingError> {
+    let beam = stack
+        .trace(&world_from_camera.ray(&rig.beam))
+        .map_err(MeetingError::Beam)?;
+    let sight = stack
+        .trace(&line_of_sight(rig, world_from_camera, pixel)?)
+        .map_err(MeetingError::Sight)?;
+    Ok(Meeting {
+        approach: closest_approach(&beam, &sight)?,
+    })
+}
+
+/// As [`meet`], as if there were neither wall nor liquid: Fig. 11 (b).
+pub fn meet_unrefracted(
+    rig: &Rig,
+    world_from_camera: &Pose<World, Camera>,
+    pixel: Pixel,
+) -> Result<Meeting, MeetingError> {
+    let air = Stack {
+        outside: 1.0,
+        interfaces: Vec::new(),
+    };
+    meet(rig, world_from_camera, &air, pixel)
+}
+
+/// The line of sight of a pixel, in the world.
+pub fn line_of_sight(
+    rig: &Rig,
+    world_from_camera: &Pose<World, Camera>,
+    pixel: Pixel,
+) -> Result<Ray<World>, OutsideLens> {
+    let direction = rig.camera.slope(pixel)?.direction();
+    Ok(world_from_camera.ray(&Ray::new(Point::origin(), direction)))
+}

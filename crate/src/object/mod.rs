@@ -1,0 +1,29 @@
+//! The object's surface: both light paths traced through the wall, their midpoint, the ray distance,
+//! standard deviations, and which of several spots is real (section II-D of the paper).
+
+mod choice;
+mod meeting;
+mod uncertainty;
+
+pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object};
+pub use meeting::{Meeting, MeetingError, Optics, line_of_sight, meet, meet_unrefracted};
+pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, noise};
+
+use crate::rig::{CalibrationSigma, Rig};
+use crate::scan::Station;
+use crate::vessel::VesselFit;
+
+/// Everything that stands between the spots and the object's points.
+#[derive(Clone, Copy, Debug)]
+pub struct Setup<'a> {
+    /// The range finder.
+    pub rig: &'a Rig,
+    /// How well it is calibrated.
+    pub calibration_sigma: &'a CalibrationSigma,
+    /// Where it stood.
+    pub stations: &'a [Station],
+    /// The wall it looked through.
+    pub vessel: &'a VesselFit,
+    /// The media.
+    pub optics: Optics,
+}

@@ -1,0 +1,196 @@
+//! First-order propagation: covariance of the point = J covariance J^T, with J by differences.
+
+use nalgebra::{DVector, Matrix3, Vector3};
+
+use super::{Meeting, MeetingError, Optics, Setup, meet};
+use crate::camera::Pixel;
+use crate::rig::{Calibration, Rig};
+use crate::scan::{InsideMedium, Station};
+use crate::spots::Spot;
+use crate::vessel::Wall;
+
+/// What the pictures' noise does to one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Covariance of the point from the centroid's noise and the wall's fit, mm^2.
+    pub covariance: Matrix3<f64>,
+    /// One standard deviation of the signed ray distance, mm.
+    pub gap: f64,
+}
+
+impl Noise {
+    /// One standard deviation along each axis, mm.
+    pub fn sigma(&self) -> Vector3<f64> {
+        self.covariance.diagonal().map(f64::sqrt)
+    }
+}
+
+/// How the point and the gap change with one number.
+#[derive(Clone, Copy, Debug)]
+struct Slope {
+    point: Vector3<f64>,
+    gap: f64,
+}
+
+impl Slope {
+    fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
+        Self {
+            point: (ahead.point() - back.point()) / (2.0 * step),
+            gap: (ahead.gap() - back.gap()) / (2.0 * step),
+        }
+    }
+}
+
+/// Steps for the central differences: px, and radians or mm of the wall's parameters. Far above
+/// rounding, far below where the light paths bend noticeably.
+const PIXEL_STEP: f64 = 1e-3;
+const WALL_STEP: f64 = 1e-5;
+
+/// Propagates the centroid's covariance and that of the wall's fit to a point.
+///
+/// Fails where a ray that is moved a little no longer gets through.
+pub fn noise(setup: &Setup, station: &Station, spot: &Spot) -> Result<Noise, MeetingError> {
+    let wall = &setup.vessel.wall;
+    let stack = setup.optics.stack(wall, station.inside);
+    let seen = |du: f64, dv: f64| {
+        let pixel = Pixel::new(spot.u + du, spot.v + dv);
+        meet(setup.rig, &station.world_from_camera, &stack, pixel)
+    };
+    let by_pixel = [
+        Slope::between(
+            &seen(PIXEL_STEP, 0.0)?,
+            &seen(-PIXEL_STEP, 0.0)?,
+            PIXEL_STEP,
+        ),
+        Slope::between(
+            &seen(0.0, PIXEL_STEP)?,
+            &seen(0.0, -PIXEL_STEP)?,
+            PIXEL_STEP,
+        ),
+    ];
+    let through = |parameter: usize, step: f64| {
+        let mut steps = DVector::zeros(wall.outer.freedom());
+        steps[parameter] = step;
+        let nudged = Wall {
+            outer: wall.outer.nudged(&steps),
+            ..wall.clone()
+        };
+        let stack = setup.optics.stack(&nudged, station.inside);
+        meet(setup.rig, &station.world_from_camera, &stack, spot.pixel())
+    };
+    let by_wall = (0..wall.outer.freedom())
+        .map(|p| {
+            Ok(Slope::between(
+                &through(p, WALL_STEP)?,
+                &through(p, -WALL_STEP)?,
+                WALL_STEP,
+            ))
+        })
+        .collect::<Result<Vec<_>, MeetingError>>()?;
+    let pixel_covariance = spot.covariance_matrix();
+    let mut noise = Noise {
+        covariance: Matrix3::zeros(),
+        gap: 0.0,
+    };
+    add(&mut noise, &by_pixel, |i, j| pixel_covariance[(i, j)]);
+    add(&mut noise, &by_wall, |i, j| wall.covariance[(i, j)]);
+    noise.gap = noise.gap.sqrt();
+    Ok(noise)
+}
+
+/// Adds J C J^T, for the point and (as a variance) for the gap.
+fn add(noise: &mut Noise, slopes: &[Slope], covariance: impl Fn(usize, usize) -> f64) {
+    for (i, a) in slopes.iter().enumerate() {
+        for (j, b) in slopes.iter().enumerate() {
+            noise.covariance += a.point * b.point.transpose() * covariance(i, j);
+            noise.gap += a.gap * b.gap * covariance(i, j);
+        }
+    }
+}
+
+/// What an error common to all views does to a point and its ray distance: standard deviations, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CommonSigma {
+    /// Of each coordinate.
+    pub point: Vector3<f64>,
+    /// Of the signed ray distance.
+    pub gap: f64,
+}
+
+impl CommonSigma {
+    /// Together with an independent error.
+    pub fn and(&self, other: &Self) -> Self {
+        let sum = |a: f64, b: f64| (a * a + b * b).sqrt();
+        Self {
+            point: self.point.zip_map(&other.point, sum),
+            gap: sum(self.gap, other.gap),
+        }
+    }
+}
+
+/// What an error of calibration would do to each view's point, given the pixel of its spot.
+///
+/// Each calibrated number is moved by a small part of its sigma, and everything that follows is done
+/// again with the same spots: vessel points, the wall's fit, the light paths. So what an error does to
+/// the wall is in it.
+pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option<CommonSigma>> {
+    const PART: f64 = 1e-3;
+    let base = all_meetings(
+        setup.rig,
+        &setup.vessel.wall,
+        &setup.optics,
+        setup.stations,
+        pixels,
+    );
+    let none = CommonSigma {
+        point: Vector3::zeros(),
+        gap: 0.0,
+    };
+    let mut sums: Vec<Option<CommonSigma>> = base.iter().map(|m| m.map(|_| none)).collect();
+    for number in Calibration::ALL {
+        let one = number.sigma(setup.calibration_sigma);
+        let off = number.nudge(setup.rig, one * PART);
+        let Some(wall) = setup.vessel.refitted(&off, setup.stations) else {
+            continue;
+        };
+        let moved = all_meetings(&off, &wall, &setup.optics, setup.stations, pixels);
+        for ((sum, before), after) in sums.iter_mut().zip(&base).zip(&moved) {
+            if let (Some(total), Some(before), Some(after)) = (sum.as_mut(), before, after) {
+                *total = total.and(&change(before, after, 1.0 / PART));
+            }
+        }
+    }
+    sums
+}
+
+fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {
+    CommonSigma {
+        point: (after.point() - before.point()).abs() * factor,
+        gap: (after.gap() - before.gap()).abs() * factor,
+    }
+}
+
+fn all_meetings(
+    rig: &Rig,
+    wall: &Wall,
+    optics: &Optics,
+    stations: &[Station],
+    pixels: &[Option<Pixel>],
+) -> Vec<Option<Meeting>> {
+    let liquid = optics.stack(wall, InsideMedium::Liquid);
+    let air = optics.stack(wall, InsideMedium::Air);
+    let one = |(station, pixel): (&Station, &Option<Pixel>)| {
+        let stack = match station.inside {
+            InsideMedium::Liquid => &liquid,
+            InsideMedium::Air => &air,
+        };
+        meet(
+            rig,
+            &rig.station(&station.world_from_flange),
+            stack,
+            (*pixel)?,
+        )
+        .ok()
+    };
+    stations.iter().zip(pixels).map(one).collect()
+}

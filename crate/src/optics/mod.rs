@@ -1,0 +1,15 @@
+//! How light bends: Snell's law, surfaces that part two media, and light traced through a stack of
+//! them.
+//!
+//! Indices of refraction are relative to vacuum at the laser's wavelength. Normals point towards the
+//! rig, so that light from the rig meets every interface from its front.
+
+mod aim;
+mod snell;
+mod stack;
+mod surface;
+
+pub use aim::{AimError, aim_through};
+pub use snell::{TotalReflection, refract};
+pub use stack::{Interface, Path, Stack, TraceError, TraceProblem};
+pub use surface::{Hit, Surface};

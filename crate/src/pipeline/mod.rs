@@ -1,0 +1,181 @@
+//! The stages in order. Each view's spots are found by themselves, so the caller may spread the views
+//! over threads or workers; vessel and object follow from all views together.
+//!
+//! ```no_run
+//! use std::{fs::File, io::BufReader};
+//! use snellius::pipeline::{Settings, observe, reconstruct};
+//! use snellius::scan::Archive;
+//!
+//! let mut archive = Archive::open(BufReader::new(File::open("scan.zip")?))?;
+//! let settings = Settings::default();
+//! let views = archive.scan().stations.len();
+//! let spots = (0..views).map(|view| observe(&mut archive, view, &settings)).collect::<Result<Vec<_>, _>>()?;
+//! let reconstruction = reconstruct(archive.scan(), &spots, &settings)?;
+//! println!("{}", reconstruction.result().to_json());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod report;
+mod warnings;
+
+use std::io::{Read, Seek};
+
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Point, World};
+use crate::object::{
+    Choice, CommonSigma, ObjectSettings, Optics, Setup, calibration_sigmas, find_object,
+    meet_unrefracted,
+};
+use crate::scan::{Archive, InsideMedium, Scan, ScanError};
+use crate::spots::{SpotSettings, Spots, find_spots};
+use crate::vessel::{VesselError, VesselFit, VesselSettings, find_vessel};
+
+/// How a scan is measured. The defaults are right for most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// How spots are found.
+    pub spots: SpotSettings,
+    /// How the wall is found.
+    pub vessel: VesselSettings,
+    /// How object points are chosen.
+    pub object: ObjectSettings,
+    /// The liquid's refractive index, in place of the manifest's.
+    pub index: Option<f64>,
+}
+
+/// Why a scan gives no reconstruction.
+#[derive(Debug, thiserror::Error)]
+pub enum PipelineError {
+    /// The archive is at fault.
+    #[error(transparent)]
+    Scan(#[from] ScanError),
+    /// There is no wall.
+    #[error(transparent)]
+    Vessel(#[from] VesselError),
+    /// Nobody said what the liquid's index is.
+    #[error(
+        "media.inside: the liquid's refractive index is not given, and this version does not estimate \
+         it; say it (water 1.333, ethanol 1.36, glycerol 1.47)"
+    )]
+    IndexUnknown,
+    /// The index that was asked for cannot be one.
+    #[error("{0} is no refractive index of a liquid; these lie between 1 and 4")]
+    IndexImpossible(f64),
+    /// No view has any spot.
+    #[error(
+        "no laser spot in any of the {views} views; check that the laser was on in the \"on\" pictures \
+         and that on and off are not exchanged"
+    )]
+    NoSpots {
+        /// How many views there are.
+        views: usize,
+    },
+}
+
+/// A measured scan.
+#[derive(Clone, Debug)]
+pub struct Reconstruction<'a> {
+    /// What was measured.
+    pub scan: &'a Scan,
+    /// Each view's spots.
+    pub spots: &'a [Spots],
+    /// The wall.
+    pub vessel: VesselFit,
+    /// The media that were used.
+    pub optics: Optics,
+    /// Each view's object point.
+    pub object: Vec<Choice>,
+    /// What an error of calibration and index would do to each.
+    pub common_sigmas: Vec<Option<CommonSigma>>,
+    /// Where each object point would come to lie if refraction were ignored (Fig. 11 b).
+    pub unrefracted: Vec<Option<Point<World>>>,
+}
+
+/// Reads a view's pictures and finds its spots.
+pub fn observe<R: Read + Seek>(
+    archive: &mut Archive<R>,
+    view: usize,
+    settings: &Settings,
+) -> Result<Spots, ScanError> {
+    Ok(find_spots(&archive.pictures(view)?, &settings.spots))
+}
+
+/// Measures vessel and object from the spots of all views, which stand in the manifest's order.
+pub fn reconstruct<'a>(
+    scan: &'a Scan,
+    spots: &'a [Spots],
+    settings: &Settings,
+) -> Result<Reconstruction<'a>, PipelineError> {
+    if spots.iter().all(|view| view.spots.is_empty()) {
+        return Err(PipelineError::NoSpots { views: spots.len() });
+    }
+    let optics = optics(scan, settings)?;
+    let thickness = scan.manifest.vessel.wall_thickness;
+    let vessel = find_vessel(
+        &scan.rig,
+        &scan.stations,
+        spots,
+        thickness,
+        &settings.vessel,
+    )?;
+    let setup = Setup {
+        rig: &scan.rig,
+        calibration_sigma: &scan.calibration_sigma,
+        stations: &scan.stations,
+        vessel: &vessel,
+        optics,
+    };
+    let object = find_object(&setup, spots, &settings.object);
+    let common_sigmas = common_sigmas(&setup, spots, &object);
+    let unrefracted = unrefracted(scan, spots, &object);
+    Ok(Reconstruction {
+        scan,
+        spots,
+        vessel,
+        optics,
+        object,
+        common_sigmas,
+        unrefracted,
+    })
+}
+
+fn optics(scan: &Scan, settings: &Settings) -> Result<Optics, PipelineError> {
+    let media = &scan.manifest.media;
+    if let Some(impossible) = settings.index.filter(|n| !(1.0..=4.0).contains(n)) {
+        return Err(PipelineError::IndexImpossible(impossible));
+    }
+    let all_in_air = scan.stations.iter().all(|s| s.inside == InsideMedium::Air);
+    let liquid = settings
+        .index
+        .or(media.inside)
+        .or(all_in_air.then_some(media.outside))
+        .ok_or(PipelineError::IndexUnknown)?;
+    Ok(Optics {
+        outside: media.outside,
+        wall: media.wall,
+        liquid,
+    })
+}
+
+/// The liquid's index is given, so what calibration does is all there is, until an index has a sigma.
+fn common_sigmas(setup: &Setup, spots: &[Spots], object: &[Choice]) -> Vec<Option<CommonSigma>> {
+    let pixels: Vec<_> = object
+        .iter()
+        .zip(spots)
+        .map(|(choice, view)| Some(view.spots[choice.point.as_ref()?.spot].pixel()))
+        .collect();
+    calibration_sigmas(setup, &pixels)
+}
+
+fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Option<Point<World>>> {
+    let views = object.iter().zip(spots).zip(&scan.stations);
+    views
+        .map(|((choice, view), station)| {
+            let pixel = view.spots[choice.point.as_ref()?.spot].pixel();
+            let meeting = meet_unrefracted(&scan.rig, &station.world_from_camera, pixel);
+            meeting.ok().map(|m| m.point())
+        })
+        .collect()
+}

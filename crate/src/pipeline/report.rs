@@ -1,0 +1,119 @@
+//! From a reconstruction to its public format.
+
+use super::{Reconstruction, warnings};
+use crate::export::{
+    IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult, SpotResult,
+    SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+};
+use crate::object::Choice;
+use crate::optics::Surface;
+use crate::scan::LengthUnit;
+
+impl Reconstruction<'_> {
+    /// The reconstruction in its public format.
+    pub fn result(&self) -> ReconstructionResult {
+        let manifest = &self.scan.manifest;
+        ReconstructionResult {
+            format: ReconstructionFormat::RefractiveReconstruction,
+            version: 1,
+            scan: manifest.name.clone(),
+            length_unit: LengthUnit::Millimetre,
+            media: MediaResult {
+                outside: self.optics.outside,
+                wall: self.optics.wall,
+                inside: InsideResult {
+                    value: Some(self.optics.liquid),
+                    sigma: None,
+                    method: IndexMethod::Given,
+                    verdict: Verdict::Given,
+                },
+            },
+            vessel: self.vessel_result(),
+            views: (0..manifest.views.len())
+                .map(|view| self.view_result(view))
+                .collect(),
+            warnings: warnings::of(self),
+        }
+    }
+
+    fn vessel_result(&self) -> VesselResult {
+        let wall = match self.vessel.wall.outer {
+            Surface::Plane(plane) => WallResult::Plane {
+                point: plane.point.to_array(),
+                normal: plane.normal.vector().into(),
+            },
+        };
+        VesselResult {
+            wall,
+            wall_thickness: self.vessel.wall.thickness,
+            rms: self.vessel.rms,
+            points: self.vessel.points.iter().flatten().count(),
+        }
+    }
+
+    fn view_result(&self, view: usize) -> ViewResult {
+        let choice = &self.object[view];
+        let point = choice.point.as_ref();
+        let status = self.status(view);
+        ViewResult {
+            id: self.scan.manifest.views[view].id.clone(),
+            status,
+            reason: reason(status, choice),
+            vessel: self.vessel.points[view]
+                .as_ref()
+                .map(|p| p.point.to_array()),
+            object: point.map(|p| p.meeting.point().to_array()),
+            object_sigma: point.map(|p| p.noise.sigma().into()),
+            object_sigma_calibration: self.common_sigmas[view].map(|s| s.point.into()),
+            ray_distance: point.map(|p| p.meeting.gap().abs()),
+            spots: self.spot_results(view),
+        }
+    }
+
+    /// What became of a view.
+    pub(super) fn status(&self, view: usize) -> Status {
+        let choice = &self.object[view];
+        match (&choice.point, &self.vessel.points[view]) {
+            (Some(_), _) => Status::Ok,
+            (None, None) => Status::NoVesselSpot,
+            (None, Some(_)) if choice.refused.is_empty() => Status::NoObjectSpot,
+            (None, Some(_)) => Status::Rejected,
+        }
+    }
+
+    fn spot_results(&self, view: usize) -> Vec<SpotResult> {
+        let choice = &self.object[view];
+        let vessel = self.vessel.points[view].as_ref().map(|p| p.spot);
+        let object = choice.point.as_ref().map(|p| p.spot);
+        let spots = self.spots[view].spots.iter().enumerate();
+        spots
+            .map(|(index, spot)| SpotResult {
+                pixel: [spot.u, spot.v],
+                role: match Some(index) {
+                    i if i == vessel => SpotRole::Vessel,
+                    i if i == object => SpotRole::Object,
+                    _ => SpotRole::Stray,
+                },
+                reason: choice
+                    .refused
+                    .iter()
+                    .find(|(refused, _)| *refused == index)
+                    .map(|(_, refusal)| refusal.to_string()),
+            })
+            .collect()
+    }
+}
+
+fn reason(status: Status, choice: &Choice) -> Option<String> {
+    match status {
+        Status::Ok => None,
+        Status::NoVesselSpot if choice.refused.is_empty() => Some("no laser spot".to_owned()),
+        Status::NoVesselSpot => Some("no spot lies on the wall, and none on the object".to_owned()),
+        Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
+        // The brightest spot comes first, and its refusal is the one to know.
+        Status::Rejected => choice
+            .refused
+            .first()
+            .map(|(_, refusal)| refusal.to_string()),
+    }
+}

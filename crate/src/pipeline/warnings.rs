@@ -1,0 +1,67 @@
+//! What to know before trusting a reconstruction, in plain sentences.
+
+use super::Reconstruction;
+use crate::export::Status;
+use crate::text::{count, some_of};
+
+/// Every warning of a reconstruction, those of the scan first.
+pub(super) fn of(reconstruction: &Reconstruction) -> Vec<String> {
+    let mut warnings = reconstruction.scan.warnings.clone();
+    warnings.extend(statuses(reconstruction));
+    warnings.extend(saturated(reconstruction));
+    warnings.extend(off_epipolar_line(reconstruction));
+    warnings
+}
+
+fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
+    let kinds = [
+        (Status::NoVesselSpot, "no vessel spot was found"),
+        (Status::NoObjectSpot, "no object spot was found"),
+        (Status::Rejected, "every spot but the wall's was refused"),
+    ];
+    let ids = |status: Status| -> Vec<&str> {
+        let views = reconstruction.scan.manifest.views.iter().enumerate();
+        views
+            .filter(|(view, _)| reconstruction.status(*view) == status)
+            .map(|(_, entry)| entry.id.as_str())
+            .collect()
+    };
+    kinds
+        .iter()
+        .map(|(status, what)| (ids(*status), what))
+        .filter(|(ids, _)| !ids.is_empty())
+        .map(|(ids, what)| format!("in {} {what}: {}", count(ids.len(), "view"), some_of(&ids)))
+        .collect()
+}
+
+fn saturated(reconstruction: &Reconstruction) -> Option<String> {
+    let spots = reconstruction.spots.iter().enumerate();
+    let used = spots.flat_map(|(view, spots)| {
+        let vessel = reconstruction.vessel.points[view].as_ref().map(|p| p.spot);
+        let object = reconstruction.object[view].point.as_ref().map(|p| p.spot);
+        [vessel, object]
+            .into_iter()
+            .flatten()
+            .map(|spot| &spots.spots[spot])
+    });
+    let saturated = used.filter(|spot| spot.saturated).count();
+    (saturated > 0).then(|| {
+        format!(
+            "{} overexposed (grey values at the top of the scale), so its centroid may be off; \
+             expose for a shorter time",
+            count(saturated, "spot that was used is")
+        )
+    })
+}
+
+/// A laser that misses its calibrated epipolar line by more than the centroids' noise allows.
+fn off_epipolar_line(reconstruction: &Reconstruction) -> Option<String> {
+    const NOTABLE: f64 = 0.5;
+    let off = reconstruction.vessel.median_off_line()?;
+    (off.abs() > NOTABLE).then(|| {
+        format!(
+            "the vessel's spots lie {off:+.2} px off the epipolar line (median): the laser's direction \
+             or origin has moved since calibration"
+        )
+    })
+}

@@ -1,0 +1,19 @@
+//! What a scan is: its manifest, the archive that holds it, the pictures of its views.
+
+mod archive;
+mod error;
+mod manifest;
+mod picture;
+mod sweeps;
+mod validate;
+
+pub use archive::{Archive, MANIFEST_NAME};
+pub use error::{Place, ScanError};
+pub use manifest::{
+    CalibrationSigmaEntry, CameraEntry, CameraModel, Extra, FarWall, InsideMedium, KnownKind,
+    KnownShape, LaserEntry, LaserKind, LengthUnit, Manifest, Media, PoseEntry, ScanFormat,
+    VesselEntry, VesselShape, ViewEntry,
+};
+pub use picture::{Limits, Picture, PicturePair};
+pub use sweeps::sweeps;
+pub use validate::{Scan, Station};

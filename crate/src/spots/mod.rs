@@ -1,0 +1,102 @@
+//! From the pictures of a view to the laser's spots: difference, noise, threshold, regions, sub-pixel
+//! centroids with their covariance (section II-B of the paper).
+//!
+//! The paper undistorts the difference picture and then takes centroids. Here the centroids are taken
+//! in the picture as it is and undistorted afterwards: over a spot of a few pixels the lens is linear,
+//! and nothing is lost by resampling.
+
+mod difference;
+mod noise;
+mod regions;
+
+pub use difference::{Difference, difference};
+pub use noise::Noise;
+
+use nalgebra::Matrix2;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Pixel;
+use crate::scan::PicturePair;
+
+/// How spots are found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SpotSettings {
+    /// A spot's smoothed peak stands this many standard deviations of the noise above it.
+    pub peak: f64,
+    /// A spot's region ends where the smoothed difference falls below this many standard deviations.
+    pub edge: f64,
+    /// A region of fewer pixels is noise.
+    pub smallest_area: usize,
+    /// At most this many spots of a view, the brightest, are kept.
+    pub most: usize,
+}
+
+impl Default for SpotSettings {
+    fn default() -> Self {
+        Self {
+            peak: 9.0,
+            edge: 4.0,
+            smallest_area: 5,
+            most: 64,
+        }
+    }
+}
+
+/// A bright region of the difference picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spot {
+    /// Centroid across the picture, px.
+    pub u: f64,
+    /// Centroid down the picture, px.
+    pub v: f64,
+    /// Covariance of the centroid from the pictures' noise, px^2: uu, uv, vv.
+    pub covariance: [f64; 3],
+    /// Sum of the difference over the region, grey values.
+    pub brightness: f64,
+    /// Largest difference, grey values.
+    pub peak: f64,
+    /// How many pixels.
+    pub area: usize,
+    /// Whether a pixel reached the top of the grey scale, so that the centroid may be off.
+    pub saturated: bool,
+}
+
+impl Spot {
+    /// The centroid.
+    pub const fn pixel(&self) -> Pixel {
+        Pixel::new(self.u, self.v)
+    }
+
+    /// The centroid's covariance, px^2.
+    pub const fn covariance_matrix(&self) -> Matrix2<f64> {
+        let [uu, uv, vv] = self.covariance;
+        Matrix2::new(uu, uv, uv, vv)
+    }
+}
+
+/// The spots of one view.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spots {
+    /// Brightest first.
+    pub spots: Vec<Spot>,
+    /// Standard deviation of the difference picture's noise in its darker half, grey values.
+    pub noise: f64,
+}
+
+/// Finds the spots of a view.
+pub fn find_spots(pictures: &PicturePair, settings: &SpotSettings) -> Spots {
+    let difference = difference(pictures);
+    let noise = Noise::of(&difference, pictures);
+    let regions = regions::regions(&difference, &noise, pictures, settings);
+    let mut spots: Vec<Spot> = regions
+        .iter()
+        .map(|region| regions::centroid(region, &difference, &noise, pictures))
+        .collect();
+    spots.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
+    spots.truncate(settings.most);
+    Spots {
+        spots,
+        noise: noise.typical(),
+    }
+}

@@ -1,0 +1,174 @@
+use nalgebra::{Matrix2, Vector2};
+
+use super::{Difference, Noise, Spot, SpotSettings};
+use crate::scan::PicturePair;
+
+/// The pixels of a spot, as indices into the picture.
+pub(super) type Region = Vec<usize>;
+
+/// Binomial 3 x 3 smoothing, 1 2 1 / 2 4 2 / 1 2 1 over 16, turns white noise of standard deviation 1
+/// into one of 6/16.
+const SMOOTHED_NOISE: f64 = 6.0 / 16.0;
+
+/// Finds the 8-connected regions in which the smoothed difference stands out of the noise.
+///
+/// Smoothing and the smallest area are the noise removal: a single hot pixel passes neither. The
+/// threshold follows the noise at each pixel's own brightness.
+pub(super) fn regions(
+    difference: &Difference,
+    noise: &Noise,
+    pictures: &PicturePair,
+    settings: &SpotSettings,
+) -> Vec<Region> {
+    let field = Field {
+        difference,
+        noise,
+        pictures,
+    };
+    let mut seen = vec![false; difference.grey.len()];
+    let mut found = Vec::new();
+    for seed in field.candidates(settings.peak) {
+        if seen[seed] || field.significance(seed) < settings.peak {
+            continue;
+        }
+        let region = field.grow(seed, settings.edge, &mut seen);
+        if region.len() >= settings.smallest_area {
+            found.push(region);
+        }
+    }
+    found
+}
+
+/// The centroid of a region with its covariance, and its brightness.
+///
+/// Weights are the differences above the background in the region and one pixel around it, so that the
+/// region's ragged edge does not cut the spot's flanks unevenly. With w_i the differences, x_i the
+/// pixels, c their centroid and s_i^2 the noise's variance at each pixel,
+///
+/// ```text
+/// c = sum w_i x_i / sum w_i,   cov c = sum s_i^2 (x_i - c)(x_i - c)^T / (sum w_i)^2
+/// ```
+pub(super) fn centroid(
+    region: &Region,
+    difference: &Difference,
+    noise: &Noise,
+    pictures: &PicturePair,
+) -> Spot {
+    let field = Field {
+        difference,
+        noise,
+        pictures,
+    };
+    let pixels = field.widened(region);
+    let at = |i: usize| Vector2::new((i % difference.width) as f64, (i / difference.width) as f64);
+    let weight = |i: usize| f64::from(difference.grey[i]) - noise.offset();
+    // The noise's mean over the widened region is 0, so its total is that of the light.
+    let total: f64 = pixels.iter().map(|i| weight(*i)).sum();
+    let first = at(region[0]);
+    let mut moment = Vector2::zeros();
+    for i in &pixels {
+        moment += (at(*i) - first) * weight(*i);
+    }
+    let centre = first + moment / total;
+    let mut covariance = Matrix2::zeros();
+    for i in &pixels {
+        let lever = at(*i) - centre;
+        covariance += lever * lever.transpose() * field.variance(*i);
+    }
+    covariance /= total * total;
+    let on = &pictures.on;
+    Spot {
+        u: centre.x,
+        v: centre.y,
+        covariance: [covariance.m11, covariance.m12, covariance.m22],
+        brightness: total,
+        peak: region.iter().map(|i| weight(*i)).fold(0.0, f64::max),
+        area: region.len(),
+        saturated: region.iter().any(|i| on.grey[*i] == on.full_scale),
+    }
+}
+
+/// A difference picture with its noise.
+struct Field<'a> {
+    difference: &'a Difference,
+    noise: &'a Noise,
+    pictures: &'a PicturePair,
+}
+
+impl Field<'_> {
+    /// Pixels that may be a region's peak, in picture order: where the smoothed difference stands `peak`
+    /// deviations out, at least one pixel of the nine does so for the unsmoothed one.
+    fn candidates(&self, peak: f64) -> impl Iterator<Item = usize> + '_ {
+        let darkest = self.noise.variance(0.0).sqrt();
+        // Whole grey values keep this pass over every pixel in integers.
+        let least = (self.noise.offset() + peak * SMOOTHED_NOISE * darkest) as i32;
+        let bright = self.difference.grey.iter().enumerate();
+        bright
+            .filter(move |(_, d)| **d >= least)
+            .flat_map(|(i, _)| self.neighbourhood(i))
+    }
+
+    /// The variance of the difference's noise at a pixel: each picture has half of it, at its own level.
+    fn variance(&self, i: usize) -> f64 {
+        let on = f64::from(self.pictures.on.grey[i]);
+        let off = self
+            .pictures
+            .off
+            .as_ref()
+            .map_or(on, |p| f64::from(p.grey[i]));
+        self.noise.variance(0.5 * (on + off))
+    }
+
+    /// The smoothed difference in standard deviations of its noise without laser light.
+    fn significance(&self, i: usize) -> f64 {
+        let (width, height) = (self.difference.width, self.difference.height);
+        let (x, y) = (i % width, i / width);
+        if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
+            return 0.0;
+        }
+        let d = &self.difference.grey;
+        let row = |i: usize| d[i - 1] + 2 * d[i] + d[i + 1];
+        let sum = row(i - width) + 2 * row(i) + row(i + width);
+        let off = self
+            .pictures
+            .off
+            .as_ref()
+            .map_or(0.0, |p| f64::from(p.grey[i]));
+        let sigma = self.noise.variance(off).sqrt() * SMOOTHED_NOISE;
+        (f64::from(sum) / 16.0 - self.noise.offset()) / sigma
+    }
+
+    /// The 8-connected pixels around `seed` that stand `edge` deviations out.
+    fn grow(&self, seed: usize, edge: f64, seen: &mut [bool]) -> Region {
+        let mut region = vec![seed];
+        seen[seed] = true;
+        let mut next = 0;
+        while let Some(&at) = region.get(next) {
+            next += 1;
+            for neighbour in self.neighbourhood(at) {
+                if !seen[neighbour] && self.significance(neighbour) >= edge {
+                    seen[neighbour] = true;
+                    region.push(neighbour);
+                }
+            }
+        }
+        region
+    }
+
+    /// The region and one pixel around it, in picture order.
+    fn widened(&self, region: &Region) -> Vec<usize> {
+        let mut pixels: Vec<usize> = region.iter().flat_map(|i| self.neighbourhood(*i)).collect();
+        pixels.sort_unstable();
+        pixels.dedup();
+        pixels
+    }
+
+    /// A pixel and the up to eight around it.
+    fn neighbourhood(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = (self.difference.width, self.difference.height);
+        let (x, y) = (i % width, i / width);
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let columns = x.saturating_sub(1)..(x + 2).min(width);
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+}

@@ -1,0 +1,68 @@
+//! Which of a view's spots may lie on the wall.
+
+use crate::camera::Pixel;
+use crate::geometry::{Camera, Point};
+use crate::rig::{OnBeam, Rig};
+use crate::spots::Spot;
+
+/// A spot near the epipolar line, taken for a point of the beam in air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Candidate {
+    /// Which of the view's spots.
+    pub(super) spot: usize,
+    /// Its place on the beam.
+    pub(super) point: Point<Camera>,
+    /// How far along the beam, mm.
+    pub(super) along: f64,
+    /// One standard deviation of that from the centroid's noise, mm.
+    pub(super) sigma: f64,
+    /// How far off the epipolar line, px, with a sign.
+    pub(super) off_line: f64,
+}
+
+/// The spots within `tolerance` (px) of the epipolar line, in their order along the beam: the first of
+/// them is the wall's, whichever side the laser is on (section II-C).
+pub(super) fn along_epipolar_line(rig: &Rig, spots: &[Spot], tolerance: f64) -> Vec<Candidate> {
+    let near_line = |(index, spot)| candidate(rig, index, spot);
+    let mut candidates: Vec<Candidate> = spots
+        .iter()
+        .enumerate()
+        .filter_map(near_line)
+        .filter(|c| c.off_line.abs() <= tolerance)
+        .collect();
+    candidates.sort_by(|a, b| a.along.total_cmp(&b.along));
+    candidates
+}
+
+fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
+    let here = on_beam(rig, spot.pixel())?;
+    Some(Candidate {
+        spot: index,
+        point: here.point,
+        along: here.along,
+        sigma: sigma_along(rig, spot)?,
+        off_line: here.off_line * 0.5 * (rig.camera.focal[0] + rig.camera.focal[1]),
+    })
+}
+
+/// Triangulates a pixel in air.
+pub(super) fn on_beam(rig: &Rig, pixel: Pixel) -> Option<OnBeam> {
+    rig.epipolar_line()
+        .triangulate(rig.camera.slope(pixel).ok()?)
+}
+
+/// First-order propagation of the centroid's covariance to the place along the beam.
+fn sigma_along(rig: &Rig, spot: &Spot) -> Option<f64> {
+    const H: f64 = 0.01;
+    let Pixel { u, v } = spot.pixel();
+    let along = |u, v| on_beam(rig, Pixel::new(u, v)).map(|p| p.along);
+    let slope = nalgebra::Vector2::new(
+        (along(u + H, v)? - along(u - H, v)?) / (2.0 * H),
+        (along(u, v + H)? - along(u, v - H)?) / (2.0 * H),
+    );
+    Some(
+        (slope.transpose() * spot.covariance_matrix() * slope)
+            .x
+            .sqrt(),
+    )
+}
