@@ -1,38 +1,110 @@
+use std::borrow::Cow;
+
 use crate::scan::{Picture, PicturePair};
 
-/// The laser's light alone: on minus off, grey values.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    /// Width, px.
-    pub width: usize,
-    /// Height, px.
-    pub height: usize,
-    /// Row by row from the top left.
-    pub grey: Vec<i32>,
+/// The laser's light alone: on minus off, pixel by pixel, row by row from the top left.
+///
+/// It is computed where it is asked for: a picture of millions of pixels holds a handful of spots.
+#[derive(Clone, Debug)]
+pub struct Difference<'a> {
+    on: &'a Picture,
+    off: Cow<'a, [u16]>,
+    /// Whether the off picture was taken, and has noise of its own.
+    pair: bool,
 }
 
-/// Subtracts the laser-off picture from the laser-on picture. Where none was taken the on picture's own
-/// smooth background stands in for it, which leaves the scene's edges behind.
-///
-/// # Panics
-///
-/// If the two pictures differ in size; pictures decoded against one camera never do.
-pub fn difference(pictures: &PicturePair) -> Difference {
-    let on = &pictures.on;
-    let background;
-    let off = match &pictures.off {
-        Some(off) => &off.grey,
-        None => {
-            background = smooth_background(on);
-            &background
+impl<'a> Difference<'a> {
+    /// The difference of a view's pictures. Where no off picture was taken the on picture's own smooth
+    /// background stands in for it, which leaves the scene's edges behind.
+    ///
+    /// # Panics
+    ///
+    /// If the two pictures differ in size; pictures decoded against one camera never do.
+    pub fn of(pictures: &'a PicturePair) -> Self {
+        let on = &pictures.on;
+        let off = match &pictures.off {
+            Some(off) => Cow::Borrowed(off.grey.as_slice()),
+            None => Cow::Owned(smooth_background(on)),
+        };
+        assert_eq!(on.grey.len(), off.len(), "pictures of one camera");
+        Self {
+            on,
+            off,
+            pair: pictures.off.is_some(),
         }
-    };
-    assert_eq!(on.grey.len(), off.len(), "pictures of one camera");
-    let subtract = |(on, off): (&u16, &u16)| i32::from(*on) - i32::from(*off);
-    Difference {
-        width: on.width,
-        height: on.height,
-        grey: on.grey.iter().zip(off).map(subtract).collect(),
+    }
+
+    /// Width, px.
+    pub const fn width(&self) -> usize {
+        self.on.width
+    }
+
+    /// Height, px.
+    pub const fn height(&self) -> usize {
+        self.on.height
+    }
+
+    /// How many pixels.
+    pub fn len(&self) -> usize {
+        self.off.len()
+    }
+
+    /// Whether there are no pixels.
+    pub fn is_empty(&self) -> bool {
+        self.off.is_empty()
+    }
+
+    /// The difference at a pixel, grey values.
+    pub fn at(&self, pixel: usize) -> i32 {
+        i32::from(self.on.grey[pixel]) - i32::from(self.off[pixel])
+    }
+
+    /// The grey value without laser light.
+    pub fn dark_level(&self, pixel: usize) -> u16 {
+        self.off[pixel]
+    }
+
+    /// The mean grey value of the pictures that went into the difference.
+    pub fn level(&self, pixel: usize) -> f64 {
+        let on = f64::from(self.on.grey[pixel]);
+        if self.pair {
+            0.5 * (on + f64::from(self.off[pixel]))
+        } else {
+            on
+        }
+    }
+
+    /// Whether the laser-on picture reached the top of the grey scale.
+    pub fn saturated(&self, pixel: usize) -> bool {
+        self.on.grey[pixel] == self.on.full_scale
+    }
+
+    /// The largest grey value.
+    pub const fn full_scale(&self) -> u16 {
+        self.on.full_scale
+    }
+
+    /// The pixels whose difference is at least `least` (and above 0), in picture order.
+    pub fn at_least(&self, least: i32) -> Vec<usize> {
+        /// Runs that fit into a few vector registers: most hold no bright pixel and are passed at once.
+        const RUN: usize = 64;
+        let least = u16::try_from(least.max(1)).unwrap_or(u16::MAX);
+        let mut bright = Vec::new();
+        let runs = self.on.grey.chunks(RUN).zip(self.off.chunks(RUN));
+        for (run, (on, off)) in runs.enumerate() {
+            let rise = |(on, off): (&u16, &u16)| on.saturating_sub(*off);
+            let highest = on.iter().zip(off).map(rise).fold(0, u16::max);
+            if highest >= least {
+                let rises = on.iter().zip(off).map(rise).enumerate();
+                bright.extend(rises.filter(|(_, r)| *r >= least).map(|(i, _)| run * RUN + i));
+            }
+        }
+        bright
+    }
+
+    /// The whole difference picture.
+    pub fn to_vec(&self) -> Vec<i32> {
+        (0..self.len()).map(|pixel| self.at(pixel)).collect()
     }
 }
 

@@ -9,7 +9,7 @@ mod difference;
 mod noise;
 mod regions;
 
-pub use difference::{Difference, difference};
+pub use difference::Difference;
 pub use noise::Noise;
 
 use nalgebra::Matrix2;
@@ -86,12 +86,11 @@ pub struct Spots {
 
 /// Finds the spots of a view.
 pub fn find_spots(pictures: &PicturePair, settings: &SpotSettings) -> Spots {
-    let difference = difference(pictures);
-    let noise = Noise::of(&difference, pictures);
-    let regions = regions::regions(&difference, &noise, pictures, settings);
-    let mut spots: Vec<Spot> = regions
+    let difference = Difference::of(pictures);
+    let noise = Noise::of(&difference);
+    let mut spots: Vec<Spot> = regions::regions(&difference, &noise, settings)
         .iter()
-        .map(|region| regions::centroid(region, &difference, &noise, pictures))
+        .map(|region| regions::centroid(region, &difference, &noise))
         .collect();
     spots.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
     spots.truncate(settings.most);

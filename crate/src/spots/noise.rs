@@ -1,5 +1,4 @@
 use super::Difference;
-use crate::scan::PicturePair;
 
 /// The difference picture's noise, which grows with the light: variance = read + shot * grey value
 /// (the photon transfer curve).
@@ -19,8 +18,8 @@ const LEAST_SAMPLES: usize = 400;
 impl Noise {
     /// Measures the noise: the variance of the difference in classes of brightness, spots clipped away,
     /// and the straight line through them.
-    pub fn of(difference: &Difference, pictures: &PicturePair) -> Self {
-        let samples = Samples::gather(difference, pictures);
+    pub fn of(difference: &Difference) -> Self {
+        let samples = Samples::gather(difference);
         let offset = samples.median();
         let classes = samples.variances(offset);
         let (read, shot) = line_through(&classes);
@@ -64,24 +63,22 @@ struct Class {
 
 impl Samples {
     /// At most some 60,000 pixels on a regular grid: enough for the variance to 1 %.
-    fn gather(difference: &Difference, pictures: &PicturePair) -> Self {
-        let reference = pictures.off.as_ref().unwrap_or(&pictures.on);
+    fn gather(difference: &Difference) -> Self {
         // An odd stride walks through all columns of a picture of even width.
-        let stride = (difference.grey.len() / 60_000).max(1) | 1;
+        let stride = (difference.len() / 60_000).max(1) | 1;
         let mut classes = vec![Vec::new(); BINS];
         let mut level_sums = vec![0.0; BINS];
-        let scale = usize::from(reference.full_scale) + 1;
-        for i in (0..difference.grey.len()).step_by(stride) {
-            let level = reference.grey[i];
+        let scale = f64::from(difference.full_scale()) + 1.0;
+        for pixel in (0..difference.len()).step_by(stride) {
             // Clipped pixels have no noise to measure.
-            if level == reference.full_scale {
+            if difference.saturated(pixel) {
                 continue;
             }
+            let level = f64::from(difference.dark_level(pixel));
             // Square-root spacing: shot noise changes most where it is dark.
-            let share = f64::from(level) / scale as f64;
-            let bin = (share.sqrt() * BINS as f64) as usize;
-            classes[bin].push(difference.grey[i]);
-            level_sums[bin] += f64::from(level);
+            let bin = ((level / scale).sqrt() * BINS as f64) as usize;
+            classes[bin].push(difference.at(pixel));
+            level_sums[bin] += level;
         }
         Self {
             classes,

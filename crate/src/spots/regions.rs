@@ -1,7 +1,6 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::{Difference, Noise, Spot, SpotSettings};
-use crate::scan::PicturePair;
 
 /// The pixels of a spot, as indices into the picture.
 pub(super) type Region = Vec<usize>;
@@ -17,15 +16,10 @@ const SMOOTHED_NOISE: f64 = 6.0 / 16.0;
 pub(super) fn regions(
     difference: &Difference,
     noise: &Noise,
-    pictures: &PicturePair,
     settings: &SpotSettings,
 ) -> Vec<Region> {
-    let field = Field {
-        difference,
-        noise,
-        pictures,
-    };
-    let mut seen = vec![false; difference.grey.len()];
+    let field = Field { difference, noise };
+    let mut seen = vec![false; difference.len()];
     let mut found = Vec::new();
     for seed in field.candidates(settings.peak) {
         if seen[seed] || field.significance(seed) < settings.peak {
@@ -48,20 +42,12 @@ pub(super) fn regions(
 /// ```text
 /// c = sum w_i x_i / sum w_i,   cov c = sum s_i^2 (x_i - c)(x_i - c)^T / (sum w_i)^2
 /// ```
-pub(super) fn centroid(
-    region: &Region,
-    difference: &Difference,
-    noise: &Noise,
-    pictures: &PicturePair,
-) -> Spot {
-    let field = Field {
-        difference,
-        noise,
-        pictures,
-    };
+pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) -> Spot {
+    let field = Field { difference, noise };
     let pixels = field.widened(region);
-    let at = |i: usize| Vector2::new((i % difference.width) as f64, (i / difference.width) as f64);
-    let weight = |i: usize| f64::from(difference.grey[i]) - noise.offset();
+    let width = difference.width();
+    let at = |i: usize| Vector2::new((i % width) as f64, (i / width) as f64);
+    let weight = |i: usize| f64::from(difference.at(i)) - noise.offset();
     // The noise's mean over the widened region is 0, so its total is that of the light.
     let total: f64 = pixels.iter().map(|i| weight(*i)).sum();
     let first = at(region[0]);
@@ -73,10 +59,9 @@ pub(super) fn centroid(
     let mut covariance = Matrix2::zeros();
     for i in &pixels {
         let lever = at(*i) - centre;
-        covariance += lever * lever.transpose() * field.variance(*i);
+        covariance += lever * lever.transpose() * noise.variance(difference.level(*i));
     }
     covariance /= total * total;
-    let on = &pictures.on;
     Spot {
         u: centre.x,
         v: centre.y,
@@ -84,57 +69,36 @@ pub(super) fn centroid(
         brightness: total,
         peak: region.iter().map(|i| weight(*i)).fold(0.0, f64::max),
         area: region.len(),
-        saturated: region.iter().any(|i| on.grey[*i] == on.full_scale),
+        saturated: region.iter().any(|i| difference.saturated(*i)),
     }
 }
 
 /// A difference picture with its noise.
 struct Field<'a> {
-    difference: &'a Difference,
+    difference: &'a Difference<'a>,
     noise: &'a Noise,
-    pictures: &'a PicturePair,
 }
 
 impl Field<'_> {
-    /// Pixels that may be a region's peak, in picture order: where the smoothed difference stands `peak`
-    /// deviations out, at least one pixel of the nine does so for the unsmoothed one.
-    fn candidates(&self, peak: f64) -> impl Iterator<Item = usize> + '_ {
+    /// Pixels that may seed a region: those that stand out by themselves as far as a smoothed peak must.
+    fn candidates(&self, peak: f64) -> Vec<usize> {
         let darkest = self.noise.variance(0.0).sqrt();
-        // Whole grey values keep this pass over every pixel in integers.
-        let least = (self.noise.offset() + peak * SMOOTHED_NOISE * darkest) as i32;
-        let bright = self.difference.grey.iter().enumerate();
-        bright
-            .filter(move |(_, d)| **d >= least)
-            .flat_map(|(i, _)| self.neighbourhood(i))
-    }
-
-    /// The variance of the difference's noise at a pixel: each picture has half of it, at its own level.
-    fn variance(&self, i: usize) -> f64 {
-        let on = f64::from(self.pictures.on.grey[i]);
-        let off = self
-            .pictures
-            .off
-            .as_ref()
-            .map_or(on, |p| f64::from(p.grey[i]));
-        self.noise.variance(0.5 * (on + off))
+        let least = self.noise.offset() + peak * SMOOTHED_NOISE * darkest;
+        self.difference.at_least(least.ceil() as i32)
     }
 
     /// The smoothed difference in standard deviations of its noise without laser light.
     fn significance(&self, i: usize) -> f64 {
-        let (width, height) = (self.difference.width, self.difference.height);
+        let (width, height) = (self.difference.width(), self.difference.height());
         let (x, y) = (i % width, i / width);
         if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
             return 0.0;
         }
-        let d = &self.difference.grey;
-        let row = |i: usize| d[i - 1] + 2 * d[i] + d[i + 1];
+        let d = |i: usize| self.difference.at(i);
+        let row = |i: usize| d(i - 1) + 2 * d(i) + d(i + 1);
         let sum = row(i - width) + 2 * row(i) + row(i + width);
-        let off = self
-            .pictures
-            .off
-            .as_ref()
-            .map_or(0.0, |p| f64::from(p.grey[i]));
-        let sigma = self.noise.variance(off).sqrt() * SMOOTHED_NOISE;
+        let dark = f64::from(self.difference.dark_level(i));
+        let sigma = self.noise.variance(dark).sqrt() * SMOOTHED_NOISE;
         (f64::from(sum) / 16.0 - self.noise.offset()) / sigma
     }
 
@@ -165,7 +129,7 @@ impl Field<'_> {
 
     /// A pixel and the up to eight around it.
     fn neighbourhood(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
-        let (width, height) = (self.difference.width, self.difference.height);
+        let (width, height) = (self.difference.width(), self.difference.height());
         let (x, y) = (i % width, i / width);
         let rows = y.saturating_sub(1)..(y + 2).min(height);
         let columns = x.saturating_sub(1)..(x + 2).min(width);
