@@ -13,6 +13,8 @@
 //! no platform mathematics: the same scan gives the same bytes on every machine and in every browser.
 
 pub mod camera;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod export;
 pub mod geometry;
 pub mod object;
@@ -20,6 +22,8 @@ pub mod optics;
 pub mod pipeline;
 pub mod rig;
 pub mod scan;
+#[cfg(feature = "simulate")]
+pub mod simulate;
 pub mod spots;
 mod text;
 pub mod vessel;

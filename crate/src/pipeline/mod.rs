@@ -16,7 +16,10 @@
 //! ```
 
 mod report;
+mod summary;
 mod warnings;
+
+pub use summary::Summary;
 
 use std::io::{Read, Seek};
 

@@ -6,6 +6,7 @@ mod manifest;
 mod picture;
 mod sweeps;
 mod validate;
+mod write;
 
 pub use archive::{Archive, MANIFEST_NAME};
 pub use error::{Place, ScanError};
@@ -17,3 +18,4 @@ pub use manifest::{
 pub use picture::{Limits, Picture, PicturePair};
 pub use sweeps::sweeps;
 pub use validate::{Scan, Station};
+pub use write::{ArchiveWriter, WriteError};

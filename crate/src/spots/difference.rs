@@ -96,7 +96,11 @@ impl<'a> Difference<'a> {
             let highest = on.iter().zip(off).map(rise).fold(0, u16::max);
             if highest >= least {
                 let rises = on.iter().zip(off).map(rise).enumerate();
-                bright.extend(rises.filter(|(_, r)| *r >= least).map(|(i, _)| run * RUN + i));
+                bright.extend(
+                    rises
+                        .filter(|(_, r)| *r >= least)
+                        .map(|(i, _)| run * RUN + i),
+                );
             }
         }
         bright

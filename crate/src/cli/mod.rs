@@ -1,0 +1,86 @@
+//! The companion program `snellius`: reconstructs, checks and simulates scan archives.
+//!
+//! Results go to files or to standard output, everything said to a person goes to standard error. The
+//! program ends with 0, with 1 if the input is at fault, and with 2 if it was called wrongly.
+
+mod check;
+mod reconstruct;
+mod schema;
+mod simulate;
+mod views;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::pipeline::PipelineError;
+use crate::scan::ScanError;
+use crate::simulate::SceneError;
+
+/// Measures objects in 3-D through glass and liquid with a laser range finder.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Measures vessel and object of a scan archive
+    Reconstruct(reconstruct::Arguments),
+    /// Says what is in a scan archive and what looks wrong
+    Check(check::Arguments),
+    /// Makes a scan archive of a scene, with the truth beside it
+    Simulate(simulate::Arguments),
+    /// Prints the JSON Schemas of scan.json and result.json
+    Schema(schema::Arguments),
+}
+
+/// What makes the program end with 1.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    #[error("{path}: {problem}")]
+    File { path: PathBuf, problem: String },
+    #[error("{path}: {error}")]
+    Scan { path: PathBuf, error: ScanError },
+    #[error("{path}: {error}")]
+    Pipeline { path: PathBuf, error: PipelineError },
+    #[error("{path}: {error}")]
+    Scene { path: PathBuf, error: SceneError },
+}
+
+impl Failure {
+    fn file(path: &Path, problem: impl ToString) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            problem: problem.to_string(),
+        }
+    }
+
+    fn scan(path: &Path, error: ScanError) -> Self {
+        Self::Scan {
+            path: path.to_owned(),
+            error,
+        }
+    }
+}
+
+/// Runs the program with the process's arguments.
+#[expect(clippy::print_stderr, reason = "this is where the program speaks")]
+pub fn run() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Reconstruct(arguments) => reconstruct::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Schema(arguments) => schema::run(&arguments),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::from(1)
+        }
+    }
+}

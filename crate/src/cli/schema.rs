@@ -1,0 +1,40 @@
+use schemars::{Schema, schema_for};
+
+use super::Failure;
+use crate::export::ReconstructionResult;
+use crate::scan::Manifest;
+
+/// Arguments of `snellius schema`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Which format; both, keyed by name, if left out
+    format: Option<Format>,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Format {
+    /// scan.json
+    Scan,
+    /// result.json
+    Result,
+}
+
+#[expect(clippy::print_stdout, reason = "the schema is this command's output")]
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let schema = match arguments.format {
+        Some(format) => schema(format).to_value(),
+        None => serde_json::json!({
+            "scan": schema(Format::Scan),
+            "result": schema(Format::Result),
+        }),
+    };
+    println!("{schema:#}");
+    Ok(())
+}
+
+fn schema(format: Format) -> Schema {
+    match format {
+        Format::Scan => schema_for!(Manifest),
+        Format::Result => schema_for!(ReconstructionResult),
+    }
+}

@@ -1,0 +1,31 @@
+use serde::{Deserialize, Serialize};
+
+use super::Reconstruction;
+
+/// A reconstruction in a few numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// How many views have an object point.
+    pub used: usize,
+    /// Mean ray distance of these, mm.
+    pub mean_ray_distance: Option<f64>,
+    /// Median distance of the vessel's spots from the epipolar line, px, with its sign.
+    pub median_off_line: Option<f64>,
+}
+
+impl Reconstruction<'_> {
+    /// The reconstruction in a few numbers.
+    pub fn summary(&self) -> Summary {
+        let points = self
+            .object
+            .iter()
+            .filter_map(|choice| choice.point.as_ref());
+        let distances: Vec<f64> = points.map(|p| p.meeting.gap().abs()).collect();
+        let used = distances.len();
+        Summary {
+            used,
+            mean_ray_distance: (used > 0).then(|| distances.iter().sum::<f64>() / used as f64),
+            median_off_line: self.vessel.median_off_line(),
+        }
+    }
+}

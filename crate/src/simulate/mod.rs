@@ -1,0 +1,227 @@
+//! Scenes -> scans with ground truth: pictures with noise, both glows of the wall, ambient light.
+//!
+//! Each laser spot is drawn as light makes it: the beam's cross-section is sampled, each sample is
+//! traced to the surface it lands on, and the place where the camera sees that through the wall gets the
+//! lens's blur. Spots on oblique faces come out oblique.
+
+mod noise;
+mod render;
+mod scene;
+mod shapes;
+mod truth;
+
+pub use scene::{
+    Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
+    Sweep, Tank,
+};
+pub use shapes::Solid;
+pub use truth::{Truth, TruthView};
+
+use nalgebra::UnitQuaternion;
+
+use crate::camera::Pixel;
+use crate::geometry::{Camera, Point, Pose, Ray, World};
+use crate::object::Optics;
+use crate::optics::{Stack, aim_through};
+use crate::scan::{InsideMedium, Manifest, PicturePair, PoseEntry, Scan, ViewEntry};
+use crate::vessel::Wall;
+use render::Exposure;
+
+/// A scene ready to be photographed.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    scene: Scene,
+    scan: Scan,
+    wall: Wall,
+    optics: Optics,
+    solids: Vec<Solid>,
+}
+
+/// Where the laser's light lands in a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Landing {
+    outer: Option<Point<World>>,
+    inner: Option<Point<World>>,
+    object: Option<Point<World>>,
+}
+
+impl Simulation {
+    /// Checks a scene and lays out its stations.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        let mut manifest = scene.manifest()?;
+        let wall = scene.wall()?;
+        let solids = scene.solids()?;
+        let optics = Optics {
+            outside: scene.media.outside,
+            wall: scene.media.wall,
+            liquid: scene.media.inside,
+        };
+        let poses = scene.stations()?;
+        manifest.views = poses
+            .iter()
+            .enumerate()
+            .map(|(index, pose)| scene.view_entry(index, pose))
+            .collect::<Result<_, _>>()?;
+        let mut simulation = Self {
+            scan: Scan::new(manifest)?,
+            scene,
+            wall,
+            optics,
+            solids,
+        };
+        simulation.note_media()?;
+        Ok(simulation)
+    }
+
+    /// Notes for each view what the beam enters behind the wall.
+    fn note_media(&mut self) -> Result<(), SceneError> {
+        let mut manifest = self.scan.manifest.clone();
+        for (view, entry) in manifest.views.iter_mut().enumerate() {
+            entry.inside = self.medium(view);
+        }
+        self.scan = Scan::new(manifest)?;
+        Ok(())
+    }
+
+    /// The manifest of the scan.
+    pub fn manifest(&self) -> &Manifest {
+        &self.scan.manifest
+    }
+
+    /// How many views there are.
+    pub fn views(&self) -> usize {
+        self.scan.stations.len()
+    }
+
+    /// Takes the two pictures of a view.
+    pub fn pictures(&self, view: usize) -> PicturePair {
+        let station = &self.scan.stations[view];
+        let dark = render::ambient(self, &station.world_from_camera);
+        let mut lit = dark.clone();
+        self.add_laser(view, &mut lit);
+        PicturePair {
+            on: lit.develop(&self.scene.noise, noise::seed(self.scene.seed, view, true)),
+            off: Some(dark.develop(&self.scene.noise, noise::seed(self.scene.seed, view, false))),
+        }
+    }
+
+    /// What is true of the scan.
+    pub fn truth(&self) -> Truth {
+        truth::of(self)
+    }
+
+    /// What the beam of a view enters: air if it meets the inner face above the liquid's level.
+    fn medium(&self, view: usize) -> InsideMedium {
+        let station = &self.scan.stations[view];
+        let beam = station.world_from_camera.ray(&self.scan.rig.beam);
+        let path = self
+            .optics
+            .stack(&self.wall, InsideMedium::Liquid)
+            .path(&beam);
+        match path {
+            Ok(path) => self.scene.medium_at(path.last.origin),
+            Err(_) => InsideMedium::Liquid,
+        }
+    }
+
+    fn stack(&self, view: usize) -> Stack {
+        self.optics
+            .stack(&self.wall, self.scan.stations[view].inside)
+    }
+
+    /// Follows a ray of the beam (camera frame) to the wall's faces and the object.
+    fn landing(&self, view: usize, ray: &Ray<Camera>) -> Landing {
+        let station = &self.scan.stations[view];
+        let beam = station.world_from_camera.ray(ray);
+        let Ok(path) = self.stack(view).path(&beam) else {
+            return Landing::default();
+        };
+        let nearest = shapes::nearest(&self.solids, &path.last);
+        Landing {
+            outer: path.vertices.get(1).copied(),
+            inner: path.vertices.get(2).copied(),
+            object: nearest.map(|hit| hit.point),
+        }
+    }
+
+    /// The pixel at which the camera of a view sees a point behind the first `faces` faces; `None` where
+    /// a solid hides it.
+    fn seen(&self, view: usize, point: Point<World>, faces: usize) -> Option<Pixel> {
+        const SAME_PLACE: f64 = 0.01;
+        let world_from_camera = &self.scan.stations[view].world_from_camera;
+        let mut stack = self.stack(view);
+        stack.interfaces.truncate(faces);
+        let eye = world_from_camera.point(Point::origin());
+        let aim = aim_through(&stack, eye, point).ok()?;
+        let arriving = stack.trace(&Ray::new(eye, aim)).ok()?;
+        let hit = shapes::nearest(&self.solids, &arriving);
+        let way = arriving.origin.distance(point);
+        if hit.is_some_and(|hit| hit.distance < way - SAME_PLACE) {
+            return None;
+        }
+        let ahead = world_from_camera.inverse().direction(aim);
+        self.scan
+            .rig
+            .camera
+            .project(Point::from_coords(ahead.vector()))
+    }
+
+    /// Adds the light of the three spots of a view.
+    fn add_laser(&self, view: usize, exposure: &mut Exposure) {
+        let brightness = &self.scene.brightness;
+        for (ray, share) in self.scene.beam.rays(&self.scan.rig.beam) {
+            let landing = self.landing(view, &ray);
+            let spots = [
+                (landing.outer, 0, brightness.outer_face),
+                (landing.inner, 1, brightness.inner_face),
+                (landing.object, 2, brightness.object),
+            ];
+            for (point, faces, light) in spots {
+                let pixel = point.and_then(|point| self.seen(view, point, faces));
+                if let Some(pixel) = pixel {
+                    exposure.add_spot(pixel, self.scene.beam.blur, share * light);
+                }
+            }
+        }
+    }
+}
+
+/// A camera's pose as the manipulator would have to report it.
+fn flange_entry(
+    world_from_camera: &Pose<World, Camera>,
+    scene: &Scene,
+) -> Result<PoseEntry, SceneError> {
+    let flange_from_camera = scene.hand_eye()?;
+    let world_from_flange = *world_from_camera * flange_from_camera.inverse();
+    Ok(PoseEntry {
+        rotation: world_from_flange.quaternion(),
+        translation: world_from_flange.translation().into(),
+        extra: Default::default(),
+    })
+}
+
+impl Scene {
+    fn view_entry(
+        &self,
+        index: usize,
+        world_from_camera: &Pose<World, Camera>,
+    ) -> Result<ViewEntry, SceneError> {
+        Ok(ViewEntry {
+            id: format!("{index:04}"),
+            on: format!("images/{index:04}-on.png"),
+            off: Some(format!("images/{index:04}-off.png")),
+            world_from_flange: flange_entry(world_from_camera, self)?,
+            inside: InsideMedium::Liquid,
+            extra: Default::default(),
+        })
+    }
+}
+
+/// A rotation from angles in degrees about x, then the turned y, then the turned z.
+fn rotation_from_degrees([x, y, z]: [f64; 3]) -> UnitQuaternion<f64> {
+    let about = |axis: nalgebra::Unit<nalgebra::Vector3<f64>>, degrees: f64| {
+        UnitQuaternion::from_axis_angle(&axis, degrees.to_radians())
+    };
+    use nalgebra::Vector3;
+    about(Vector3::x_axis(), x) * about(Vector3::y_axis(), y) * about(Vector3::z_axis(), z)
+}

@@ -1,0 +1,370 @@
+//! A scene as its TOML file states it.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::{Solid, rotation_from_degrees};
+use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
+use crate::optics::Surface;
+use crate::scan::{
+    CameraEntry, InsideMedium, LaserEntry, LengthUnit, Manifest, Media, PoseEntry, ScanError,
+    ScanFormat, VesselEntry, VesselShape,
+};
+use crate::vessel::Wall;
+
+/// What is wrong with a scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// It is no TOML, or lacks something.
+    #[error(transparent)]
+    Toml(#[from] toml::de::Error),
+    /// It makes no valid scan.
+    #[error(transparent)]
+    Scan(#[from] ScanError),
+    /// A direction or rotation has no length.
+    #[error("{key}: {problem}")]
+    Direction {
+        /// The key.
+        key: &'static str,
+        /// What is wrong.
+        problem: ZeroLength,
+    },
+    /// A number is impossible.
+    #[error("{key}: {problem}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// What is wrong.
+        problem: &'static str,
+    },
+}
+
+/// A scene. Frames, units and signs are those of scan archives; the world's y axis points down.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// What the scan is of.
+    pub name: String,
+    /// Where the noise starts from.
+    #[serde(default)]
+    pub seed: u64,
+    /// Whether the manifest says what the liquid is.
+    #[serde(default = "yes")]
+    pub index_known: bool,
+    /// The lens, as in `scan.json`.
+    pub camera: CameraEntry,
+    /// The laser, as in `scan.json`.
+    pub laser: LaserEntry,
+    /// Hand-eye calibration, as in `scan.json`.
+    pub flange_from_camera: PoseEntry,
+    /// The vessel.
+    pub vessel: Tank,
+    /// Refractive indices.
+    pub media: SceneMedia,
+    /// What stands in the vessel.
+    #[serde(default, rename = "object")]
+    pub objects: Vec<SceneObject>,
+    /// Rows of stations.
+    #[serde(rename = "sweep")]
+    pub sweeps: Vec<Sweep>,
+    /// The beam.
+    #[serde(default)]
+    pub beam: BeamProfile,
+    /// The spots' light.
+    #[serde(default)]
+    pub brightness: Brightness,
+    /// The light of the room.
+    #[serde(default)]
+    pub ambient: Ambient,
+    /// The camera's noise.
+    #[serde(default)]
+    pub noise: PictureNoise,
+}
+
+const fn yes() -> bool {
+    true
+}
+
+/// Refractive indices.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneMedia {
+    /// Around the rig.
+    pub outside: f64,
+    /// The wall.
+    pub wall: f64,
+    /// The liquid.
+    pub inside: f64,
+}
+
+/// A cuboid tank; the rig looks at its front wall.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tank {
+    /// Thickness of the front wall, mm.
+    pub wall_thickness: f64,
+    /// The middle of the front wall's outer face, world frame, mm.
+    pub centre: [f64; 3],
+    /// How the tank is turned: degrees about x, the turned y, the turned z. Unturned, it faces -z.
+    #[serde(default)]
+    pub rotation: [f64; 3],
+    /// Half the width and half the height of the front wall, mm.
+    pub half_size: [f64; 2],
+    /// The liquid's surface, world y, mm; above it (smaller y) there is air. Full if left out.
+    #[serde(default)]
+    pub level: Option<f64>,
+}
+
+/// Something that stands in the vessel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum SceneObject {
+    /// A box.
+    Box {
+        /// Its middle, mm.
+        centre: [f64; 3],
+        /// Half its edges, mm.
+        half: [f64; 3],
+        /// Degrees about x, the turned y, the turned z.
+        #[serde(default)]
+        rotation: [f64; 3],
+    },
+    /// A ball.
+    Sphere {
+        /// Its middle, mm.
+        centre: [f64; 3],
+        /// Millimetres.
+        radius: f64,
+    },
+}
+
+/// A row of stations, evenly spaced, all looking the same way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// The camera's first place, mm.
+    pub from: [f64; 3],
+    /// The camera's last place, mm.
+    pub to: [f64; 3],
+    /// How many stations.
+    pub views: usize,
+    /// How the camera is turned: degrees about x (pitch), the turned y (yaw), the turned z (roll).
+    #[serde(default)]
+    pub rotation: [f64; 3],
+}
+
+/// The beam's cross-section and the lens's blur.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BeamProfile {
+    /// Standard deviation of the beam's Gaussian cross-section, mm.
+    pub sigma: f64,
+    /// Standard deviation of the lens's blur, px.
+    pub blur: f64,
+}
+
+impl Default for BeamProfile {
+    fn default() -> Self {
+        Self {
+            sigma: 0.25,
+            blur: 0.9,
+        }
+    }
+}
+
+/// The light of the spots: grey values summed over their pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Brightness {
+    /// The glow of the wall's outer face.
+    pub outer_face: f64,
+    /// The glow of the wall's inner face.
+    pub inner_face: f64,
+    /// The spot on the object.
+    pub object: f64,
+}
+
+impl Default for Brightness {
+    fn default() -> Self {
+        Self {
+            outer_face: 500.0,
+            inner_face: 150.0,
+            object: 900.0,
+        }
+    }
+}
+
+/// The light of the room, grey values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Ambient {
+    /// Of the room behind and beside the vessel.
+    pub background: f64,
+    /// Of a white surface that faces the light.
+    pub object: f64,
+}
+
+impl Default for Ambient {
+    fn default() -> Self {
+        Self {
+            background: 14.0,
+            object: 70.0,
+        }
+    }
+}
+
+/// The camera's noise: variance = read^2 + shot * grey value, grey values squared.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureNoise {
+    /// Standard deviation in the dark.
+    pub read: f64,
+    /// Variance per grey value of light.
+    pub shot: f64,
+}
+
+impl Default for PictureNoise {
+    fn default() -> Self {
+        Self {
+            read: 0.8,
+            shot: 0.02,
+        }
+    }
+}
+
+impl Scene {
+    /// Reads a scene.
+    pub fn from_toml(text: &str) -> Result<Self, SceneError> {
+        let scene: Self = toml::from_str(text)?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        let positive = |value: f64, key| {
+            let problem = "must be greater than 0";
+            if value > 0.0 {
+                Ok(())
+            } else {
+                Err(SceneError::Value { key, problem })
+            }
+        };
+        positive(self.beam.sigma, "beam.sigma")?;
+        positive(self.beam.blur, "beam.blur")?;
+        positive(self.vessel.half_size[0], "vessel.half_size")?;
+        positive(self.vessel.half_size[1], "vessel.half_size")?;
+        let dark = |value: f64, key| {
+            let problem = "must be 0 or more";
+            if value >= 0.0 {
+                Ok(())
+            } else {
+                Err(SceneError::Value { key, problem })
+            }
+        };
+        dark(self.noise.read, "noise.read")?;
+        dark(self.noise.shot, "noise.shot")?;
+        dark(self.brightness.outer_face, "brightness.outer_face")?;
+        dark(self.brightness.inner_face, "brightness.inner_face")?;
+        dark(self.brightness.object, "brightness.object")
+    }
+
+    /// The manifest, without its views.
+    pub(super) fn manifest(&self) -> Result<Manifest, SceneError> {
+        Ok(Manifest {
+            format: ScanFormat::RefractiveScan,
+            version: 1,
+            name: self.name.clone(),
+            length_unit: LengthUnit::Millimetre,
+            camera: self.camera.clone(),
+            laser: self.laser.clone(),
+            flange_from_camera: self.flange_from_camera.clone(),
+            calibration_sigma: None,
+            vessel: VesselEntry {
+                shape: VesselShape::Plane,
+                wall_thickness: self.vessel.wall_thickness,
+                far_wall: None,
+                extra: Default::default(),
+            },
+            media: Media {
+                outside: self.media.outside,
+                wall: self.media.wall,
+                inside: self.index_known.then_some(self.media.inside),
+                extra: Default::default(),
+            },
+            known: Vec::new(),
+            views: Vec::new(),
+            extra: Default::default(),
+        })
+    }
+
+    /// The hand-eye calibration.
+    pub(super) fn hand_eye(&self) -> Result<Pose<Flange, Camera>, SceneError> {
+        let entry = &self.flange_from_camera;
+        Pose::new(entry.rotation, entry.translation).map_err(|problem| SceneError::Direction {
+            key: "flange_from_camera.rotation",
+            problem,
+        })
+    }
+
+    /// The true wall.
+    pub(super) fn wall(&self) -> Result<Wall, SceneError> {
+        let normal = rotation_from_degrees(self.vessel.rotation) * -Vector3::z();
+        let normal = Direction::new(normal).map_err(|problem| SceneError::Direction {
+            key: "vessel.rotation",
+            problem,
+        })?;
+        let outer = Surface::Plane(Plane::new(Point::from(self.vessel.centre), normal));
+        Ok(Wall {
+            outer,
+            thickness: self.vessel.wall_thickness,
+            covariance: nalgebra::DMatrix::zeros(outer.freedom(), outer.freedom()),
+        })
+    }
+
+    /// What stands in the vessel.
+    pub(super) fn solids(&self) -> Result<Vec<Solid>, SceneError> {
+        self.objects.iter().map(Solid::new).collect()
+    }
+
+    /// The camera's poses.
+    pub(super) fn stations(&self) -> Result<Vec<Pose<World, Camera>>, SceneError> {
+        let mut stations = Vec::new();
+        for sweep in &self.sweeps {
+            let rotation = rotation_from_degrees(sweep.rotation);
+            let (from, to) = (Vector3::from(sweep.from), Vector3::from(sweep.to));
+            let last = sweep.views.saturating_sub(1).max(1) as f64;
+            let place = |index: usize| from + (to - from) * (index as f64 / last);
+            stations.extend((0..sweep.views).map(|i| Pose::from_parts(rotation, place(i))));
+        }
+        Ok(stations)
+    }
+
+    /// What is behind the wall at a height.
+    pub(super) fn medium_at(&self, point: Point<World>) -> InsideMedium {
+        match self.vessel.level {
+            Some(level) if point.coords.y < level => InsideMedium::Air,
+            _ => InsideMedium::Liquid,
+        }
+    }
+}
+
+impl BeamProfile {
+    /// The beam as a bundle of parallel rays with their shares of the light, which add up to 1.
+    pub(super) fn rays(&self, beam: &Ray<Camera>) -> Vec<(Ray<Camera>, f64)> {
+        const HALF: i32 = 4;
+        const REACH: f64 = 2.5;
+        let (u, v) = beam.direction.tangents();
+        let step = REACH * self.sigma / f64::from(HALF);
+        let mut rays = Vec::new();
+        for i in -HALF..=HALF {
+            for j in -HALF..=HALF {
+                let (a, b) = (f64::from(i) * step, f64::from(j) * step);
+                let share = libm::exp(-0.5 * (a * a + b * b) / (self.sigma * self.sigma));
+                rays.push((Ray::new(beam.origin + u * a + v * b, beam.direction), share));
+            }
+        }
+        let total: f64 = rays.iter().map(|(_, share)| share).sum();
+        rays.iter_mut().for_each(|(_, share)| *share /= total);
+        rays
+    }
+}
