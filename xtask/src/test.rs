@@ -184,7 +184,10 @@ fn wasm_tests(rest: &[OsString]) -> Result<Count> {
     setup::wasm_target()?;
     let runner = tools::wasm_test_runner()?;
     let browser = browser::find_or_install()?;
-    let capabilities = build_directory()?.join("webdriver.json");
+    // chromedriver is ended in a way that leaves it no time to clear away its browser's profile.
+    let scratch = build_directory()?.join("wasm-tests");
+    fs::create_dir_all(&scratch).with_context(|| format!("cannot make {}", scratch.display()))?;
+    let capabilities = scratch.join("webdriver.json");
     fs::write(&capabilities, webdriver_json(&browser))
         .with_context(|| format!("cannot write {}", capabilities.display()))?;
 
@@ -194,8 +197,12 @@ fn wasm_tests(rest: &[OsString]) -> Result<Count> {
         .args(rest)
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER", runner)
         .env("CHROMEDRIVER", browser.chromedriver)
-        .env("WASM_BINDGEN_TEST_WEBDRIVER_JSON", capabilities);
-    run_tests(&mut tests)
+        .env("WASM_BINDGEN_TEST_WEBDRIVER_JSON", capabilities)
+        .env("TMPDIR", &scratch);
+    let outcome = run_tests(&mut tests);
+    // Should a helper of the browser still be writing, the next run clears away.
+    let _ = fs::remove_dir_all(&scratch);
+    outcome
 }
 
 /// What chromedriver is to start. Chromium refuses its sandbox to root, which is what
