@@ -10,6 +10,7 @@
 //! | `page.rs`, `keys.rs` | mouse, keys, files, downloads, screenshots |
 //! | `journal.rs` | what the page and its workers said and asked for |
 //! | `picture.rs` | what a screenshot shows |
+//! | `companion.rs` | what the companion program makes of the same scan |
 //! | `workbench.rs` | the page of this project: its elements and states by name |
 #![allow(
     clippy::print_stderr,
@@ -18,6 +19,7 @@
 
 mod browser;
 mod cdp;
+pub mod companion;
 mod journal;
 mod keys;
 mod page;

@@ -69,6 +69,14 @@ impl<'a> Page<'a> {
         self.wait_until("the page to load", "document.readyState === 'complete'")
     }
 
+    /// Loads the same address again.
+    pub fn reload(&self) -> Result<()> {
+        let address = self.address();
+        // Page.reload answers before the old page is gone.
+        self.open("about:blank")?;
+        self.open(&address)
+    }
+
     /// The value of a JavaScript expression, awaited if it is a promise.
     pub fn value_of(&self, expression: &str) -> Result<Value> {
         let parameters =

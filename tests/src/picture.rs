@@ -51,6 +51,12 @@ impl Picture {
         shades.len()
     }
 
+    /// Whether all pixels look the same, as on a canvas that nothing was drawn on.
+    pub fn is_blank(&self) -> bool {
+        let first = self.0.get_pixel(0, 0);
+        !self.0.pixels().any(|pixel| differ(pixel, first))
+    }
+
     /// The share of pixels that differ from another picture of the same size.
     pub fn changed_from(&self, other: &Self) -> f64 {
         assert_eq!(
@@ -112,6 +118,12 @@ mod tests {
         let after = picture(&[[0; 3], [3; 3], [255, 0, 0], [0; 3]]);
         assert_eq!(after.changed_from(&before), 0.25);
         assert_eq!(before.changed_from(&before), 0.0);
+    }
+
+    #[test]
+    fn one_other_pixel_makes_a_picture_of_a_blank() {
+        assert!(picture(&[[9; 3], [10; 3], [9; 3]]).is_blank());
+        assert!(!picture(&[[9; 3], [9; 3], [90; 3]]).is_blank());
     }
 
     #[test]

@@ -61,6 +61,13 @@ impl Workbench<'_> {
         Ok(())
     }
 
+    /// Waits until a run fails, which shows an alert.
+    pub fn wait_failed(&self, patience: Duration) -> Result<()> {
+        let failed = "document.querySelector('[data-state]')?.dataset.state === 'failed'";
+        self.page.wait_long(patience, "state failed", failed)?;
+        self.page.wait_visible(&part("error"))
+    }
+
     /// The text of the alert, empty without one.
     pub fn alert(&self) -> String {
         let error = part("error");
@@ -73,6 +80,22 @@ impl Workbench<'_> {
     /// Chooses a scan archive by the file input.
     pub fn choose(&self, archive: &Path) -> Result<()> {
         self.page.choose_files(&part("file-input"), &[archive])
+    }
+
+    /// Clicks `cancel` in the very moment in which it can be clicked: a small scan on a quick
+    /// machine is done before a click from outside arrives. Sets `window.cancelClicked`.
+    pub fn cancel_as_soon_as_possible(&self) -> Result<()> {
+        let watch = format!(
+            "void new MutationObserver((_, observer) => {{
+                const cancel = document.querySelector({});
+                if (!cancel?.checkVisibility() || cancel.disabled) return;
+                observer.disconnect();
+                cancel.click();
+                window.cancelClicked = true;
+            }}).observe(document, {{ subtree: true, childList: true, attributes: true }})",
+            serde_json::Value::from(part("cancel"))
+        );
+        self.page.value_of(&watch).map(drop)
     }
 
     /// Chooses a scan archive and waits until it is measured.
