@@ -165,7 +165,8 @@ fn clippy() -> Result<Count> {
     setup::components()?;
     setup::wasm_target()?;
     let native = "--workspace --exclude snellius-web --all-targets --all-features";
-    let core = format!("--package snellius --lib --no-default-features --target {WASM}");
+    let core =
+        format!("--package snellius --lib --test wasm* --no-default-features --target {WASM}");
     let web = format!("--package snellius-web --target {WASM}");
     for which in [native, &core, &web] {
         let words = ["clippy"].into_iter().chain(which.split(' '));
