@@ -1,5 +1,5 @@
 //! The lens model against OpenCV, and its inverse against itself.
-#![cfg(not(target_arch = "wasm32"))]
+#![cfg(not(target_family = "wasm"))]
 #![allow(
     clippy::disallowed_methods,
     reason = "expectations may come from the platform"

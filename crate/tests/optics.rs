@@ -1,5 +1,5 @@
 //! Laws that light obeys at any number of faces, whoever traces it.
-#![cfg(not(target_arch = "wasm32"))]
+#![cfg(not(target_family = "wasm"))]
 #![allow(
     clippy::disallowed_methods,
     reason = "expectations may come from the platform"

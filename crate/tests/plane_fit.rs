@@ -1,5 +1,5 @@
 //! The robust plane: right where the points are, honest where they scatter, an error where they cannot tell.
-#![cfg(not(target_arch = "wasm32"))]
+#![cfg(not(target_family = "wasm"))]
 #![allow(
     clippy::disallowed_methods,
     reason = "expectations may come from the platform"

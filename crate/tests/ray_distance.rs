@@ -1,6 +1,6 @@
 //! The ray distance l against the refractive index n: its closed form behind a flat wall, and where it
 //! says nothing at all.
-#![cfg(not(target_arch = "wasm32"))]
+#![cfg(not(target_family = "wasm"))]
 #![allow(
     clippy::disallowed_methods,
     reason = "expectations may come from the platform"

@@ -1,5 +1,5 @@
 //! The range finder in air: triangulation, the order of spots along the beam, the hand's poses.
-#![cfg(not(target_arch = "wasm32"))]
+#![cfg(not(target_family = "wasm"))]
 #![allow(
     clippy::disallowed_methods,
     reason = "expectations may come from the platform"

@@ -1,2 +1,83 @@
-//! Set-up, serving, tests and benchmarks.
-fn main() {}
+//! `cargo xtask`: set-up, serving, tests and benchmarks of the whole workspace.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `setup.rs` | what a machine needs before anything can be built |
+//! | `tools.rs` | Trunk and the wasm-bindgen programs, built once into the user's cache |
+//! | `pins.rs` | which versions of them, read from `Trunk.toml` |
+//! | `browser.rs` | Chromium and chromedriver: find them, or install them |
+//! | `page.rs` | the page through Trunk |
+//! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
+//! | `process.rs` | running other programs |
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command-line tool talks to its terminal"
+)]
+
+mod bench;
+mod browser;
+mod page;
+mod pins;
+mod process;
+mod serve;
+mod setup;
+mod test;
+mod tools;
+
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+use lexopt::prelude::*;
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  serve [--port N] [--release | --debug]   build the page, serve it, print its address
+  test [--only STEP]... [-- ARGUMENTS]     every check, in order; ARGUMENTS go to the tests of a single STEP
+  bench [-- ARGUMENTS]                     the core's benchmarks
+  setup                                    only install what the others need
+  help                                     this text
+
+Steps of `test`: ";
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<()> {
+    let mut arguments = lexopt::Parser::from_env();
+    let command = match arguments.next()? {
+        Some(Value(command)) => command.string()?,
+        None | Some(Short('h') | Long("help")) => "help".to_owned(),
+        Some(other) => return Err(other.unexpected().into()),
+    };
+    match command.as_str() {
+        "serve" => serve::run(&serve::Options::parse(arguments)?),
+        "test" => test::run(&test::Options::parse(arguments)?),
+        "bench" => bench::run(arguments),
+        "setup" => {
+            no_more(arguments)?;
+            setup::everything()
+        }
+        "help" => {
+            println!("{HELP}{}", test::Step::names());
+            Ok(())
+        }
+        other => bail!("no command `{other}`; `cargo xtask help` lists them"),
+    }
+}
+
+/// Refuses left-over arguments, so that a typing slip is not silently ignored.
+fn no_more(mut arguments: lexopt::Parser) -> Result<()> {
+    match arguments.next()? {
+        None => Ok(()),
+        Some(other) => Err(other.unexpected().into()),
+    }
+}

@@ -74,7 +74,7 @@ fn summarise(reconstruction: &Reconstruction, result: &ReconstructionResult) {
     if let Some(mean) = summary.mean_ray_distance {
         eprintln!("  ray distance  {mean:.3} mm on average");
     }
-    eprintln!("  index inside  {}", reconstruction.optics.liquid);
+    eprintln!("  index inside  {}", reconstruction.media.liquid);
     for warning in &result.warnings {
         eprintln!("  warning: {warning}");
     }

@@ -84,6 +84,22 @@ pub enum WallResult {
         /// Unit normal towards the rig.
         normal: [f64; 3],
     },
+    /// A round wall.
+    Cylinder {
+        /// A point of the axis, mm.
+        axis_point: [f64; 3],
+        /// Along the axis, unit length.
+        axis: [f64; 3],
+        /// Millimetres.
+        radius: f64,
+    },
+    /// A ball's wall.
+    Sphere {
+        /// Its middle, mm.
+        center: [f64; 3],
+        /// Millimetres.
+        radius: f64,
+    },
 }
 
 result! {

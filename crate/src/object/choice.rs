@@ -148,7 +148,8 @@ fn examine(
     spot: &Spot,
     settings: &ObjectSettings,
 ) -> Result<(Meeting, Noise), Refusal> {
-    let stack = setup.optics.stack(&setup.vessel.wall, station.inside);
+    let stack = setup.vessel.wall.stack(&setup.media, station.inside);
+    let stack = stack.map_err(|e| Refusal::NoMeeting(e.into()))?;
     let meeting = meet(setup.rig, &station.world_from_camera, &stack, spot.pixel())
         .map_err(Refusal::NoMeeting)?;
     let depth = meeting.depth();

@@ -2,30 +2,7 @@ use crate::camera::{OutsideLens, Pixel};
 use crate::geometry::{Approach, Camera, ParallelRays, Point, Pose, Ray, World, closest_approach};
 use crate::optics::{Stack, TraceError};
 use crate::rig::Rig;
-use crate::scan::InsideMedium;
-use crate::vessel::Wall;
-
-/// Refractive indices: n1, n2 and n3 of the paper.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Optics {
-    /// Around the rig.
-    pub outside: f64,
-    /// The wall.
-    pub wall: f64,
-    /// The liquid.
-    pub liquid: f64,
-}
-
-impl Optics {
-    /// What light from the rig crosses on its way to the object of a view.
-    pub fn stack(&self, wall: &Wall, inside: InsideMedium) -> Stack {
-        let inside = match inside {
-            InsideMedium::Liquid => self.liquid,
-            InsideMedium::Air => self.outside,
-        };
-        wall.stack(self.outside, self.wall, inside)
-    }
-}
+use crate::vessel::NoRoom;
 
 /// Where the refracted beam and the refracted line of sight come closest (Fig. 7).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +38,9 @@ pub enum MeetingError {
     /// The line of sight does not get through the wall.
     #[error("the line of sight does not get in: {0}")]
     Sight(TraceError),
+    /// The wall does not fit into the vessel.
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
     /// The two rays are parallel.
     #[error(transparent)]
     Parallel(#[from] ParallelRays),

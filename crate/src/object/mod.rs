@@ -6,9 +6,10 @@ mod meeting;
 mod uncertainty;
 
 pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object};
-pub use meeting::{Meeting, MeetingError, Optics, line_of_sight, meet, meet_unrefracted};
+pub use meeting::{Meeting, MeetingError, line_of_sight, meet, meet_unrefracted};
 pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, noise};
 
+use crate::optics::Media;
 use crate::rig::{CalibrationSigma, Rig};
 use crate::scan::Station;
 use crate::vessel::VesselFit;
@@ -25,5 +26,5 @@ pub struct Setup<'a> {
     /// The wall it looked through.
     pub vessel: &'a VesselFit,
     /// The media.
-    pub optics: Optics,
+    pub media: Media,
 }

@@ -2,8 +2,9 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{Meeting, MeetingError, Optics, Setup, meet};
+use super::{Meeting, MeetingError, Setup, meet};
 use crate::camera::Pixel;
+use crate::optics::Media;
 use crate::rig::{Calibration, Rig};
 use crate::scan::{InsideMedium, Station};
 use crate::spots::Spot;
@@ -51,7 +52,7 @@ const WALL_STEP: f64 = 1e-5;
 /// Fails where a ray that is moved a little no longer gets through.
 pub fn noise(setup: &Setup, station: &Station, spot: &Spot) -> Result<Noise, MeetingError> {
     let wall = &setup.vessel.wall;
-    let stack = setup.optics.stack(wall, station.inside);
+    let stack = wall.stack(&setup.media, station.inside)?;
     let seen = |du: f64, dv: f64| {
         let pixel = Pixel::new(spot.u + du, spot.v + dv);
         meet(setup.rig, &station.world_from_camera, &stack, pixel)
@@ -71,11 +72,7 @@ pub fn noise(setup: &Setup, station: &Station, spot: &Spot) -> Result<Noise, Mee
     let through = |parameter: usize, step: f64| {
         let mut steps = DVector::zeros(wall.outer.freedom());
         steps[parameter] = step;
-        let nudged = Wall {
-            outer: wall.outer.nudged(&steps),
-            ..wall.clone()
-        };
-        let stack = setup.optics.stack(&nudged, station.inside);
+        let stack = wall.nudged(&steps).stack(&setup.media, station.inside)?;
         meet(setup.rig, &station.world_from_camera, &stack, spot.pixel())
     };
     let by_wall = (0..wall.outer.freedom())
@@ -138,7 +135,7 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
     let base = all_meetings(
         setup.rig,
         &setup.vessel.wall,
-        &setup.optics,
+        &setup.media,
         setup.stations,
         pixels,
     );
@@ -153,7 +150,7 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
         let Some(wall) = setup.vessel.refitted(&off, setup.stations) else {
             continue;
         };
-        let moved = all_meetings(&off, &wall, &setup.optics, setup.stations, pixels);
+        let moved = all_meetings(&off, &wall, &setup.media, setup.stations, pixels);
         for ((sum, before), after) in sums.iter_mut().zip(&base).zip(&moved) {
             if let (Some(total), Some(before), Some(after)) = (sum.as_mut(), before, after) {
                 *total = total.and(&change(before, after, 1.0 / PART));
@@ -173,16 +170,16 @@ fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {
 fn all_meetings(
     rig: &Rig,
     wall: &Wall,
-    optics: &Optics,
+    media: &Media,
     stations: &[Station],
     pixels: &[Option<Pixel>],
 ) -> Vec<Option<Meeting>> {
-    let liquid = optics.stack(wall, InsideMedium::Liquid);
-    let air = optics.stack(wall, InsideMedium::Air);
+    let liquid = wall.stack(media, InsideMedium::Liquid);
+    let air = wall.stack(media, InsideMedium::Air);
     let one = |(station, pixel): (&Station, &Option<Pixel>)| {
         let stack = match station.inside {
-            InsideMedium::Liquid => &liquid,
-            InsideMedium::Air => &air,
+            InsideMedium::Liquid => liquid.as_ref().ok()?,
+            InsideMedium::Air => air.as_ref().ok()?,
         };
         meet(
             rig,

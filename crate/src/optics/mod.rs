@@ -5,11 +5,13 @@
 //! rig, so that light from the rig meets every interface from its front.
 
 mod aim;
+mod media;
 mod snell;
 mod stack;
 mod surface;
 
 pub use aim::{AimError, aim_through};
+pub use media::Media;
 pub use snell::{TotalReflection, refract};
 pub use stack::{Interface, Path, Stack, TraceError, TraceProblem};
-pub use surface::{Hit, Surface};
+pub use surface::{Cylinder, Hit, Sphere, Surface};

@@ -4,12 +4,36 @@ use crate::geometry::{Direction, Plane, Point, Ray, World};
 
 /// A surface that parts two media.
 ///
-/// To add a shape: give it a variant here, `hit`, `offset` and `nudged`, a fit in the `vessel` room,
-/// and a line in each of the tests that every shape passes.
+/// To add a shape: give it a variant here and a line in each method below, a start for its fit in the
+/// `vessel` room, and a line in each of the tests that every shape passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Surface {
     /// A flat face; its normal points towards the rig.
     Plane(Plane<World>),
+    /// A round face seen from outside; its normals point away from the axis.
+    Cylinder(Cylinder),
+    /// A ball's face seen from outside; its normals point away from the centre.
+    Sphere(Sphere),
+}
+
+/// A circular cylinder without end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// A point of the axis.
+    pub point: Point<World>,
+    /// Along the axis.
+    pub axis: Direction<World>,
+    /// Millimetres.
+    pub radius: f64,
+}
+
+/// A sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Its middle.
+    pub centre: Point<World>,
+    /// Millimetres.
+    pub radius: f64,
 }
 
 /// Where a ray meets a surface.
@@ -30,33 +54,57 @@ const TOUCHING: f64 = 1e-9;
 impl Surface {
     /// Where `ray` first meets the surface from its front, if it does.
     pub fn hit(&self, ray: &Ray<World>) -> Option<Hit> {
-        match self {
-            Self::Plane(plane) => {
-                if ray.direction.dot(plane.normal) >= 0.0 {
-                    return None;
-                }
-                let distance = plane.distance_along(ray).filter(|d| *d >= -TOUCHING)?;
-                Some(Hit {
-                    point: ray.at(distance),
-                    normal: plane.normal,
-                    distance,
-                })
+        let distance = match self {
+            Self::Plane(plane) if ray.direction.dot(plane.normal) < 0.0 => {
+                plane.distance_along(ray)?
             }
+            Self::Plane(_) => return None,
+            Self::Cylinder(cylinder) => cylinder.distance_along(ray)?,
+            Self::Sphere(sphere) => sphere.distance_along(ray)?,
+        };
+        if distance.is_nan() || distance < -TOUCHING {
+            return None;
+        }
+        let point = ray.at(distance);
+        Some(Hit {
+            point,
+            normal: self.normal_at(point)?,
+            distance,
+        })
+    }
+
+    /// The unit normal towards the rig at a point of the surface; `None` on an axis or in a centre.
+    pub fn normal_at(&self, point: Point<World>) -> Option<Direction<World>> {
+        match self {
+            Self::Plane(plane) => Some(plane.normal),
+            Self::Cylinder(cylinder) => Direction::new(cylinder.from_axis(point)).ok(),
+            Self::Sphere(sphere) => Direction::new(point - sphere.centre).ok(),
         }
     }
 
     /// The surface a `distance` behind this one along its normals, away from the rig: a wall's inner
-    /// face from its outer one.
-    pub fn behind(&self, distance: f64) -> Self {
-        match self {
+    /// face from its outer one. `None` where a round surface has no room for it.
+    pub fn behind(&self, distance: f64) -> Option<Self> {
+        let smaller = |radius: f64| Some(radius - distance).filter(|r| *r > 0.0);
+        Some(match self {
             Self::Plane(plane) => Self::Plane(plane.offset(-distance)),
-        }
+            Self::Cylinder(cylinder) => Self::Cylinder(Cylinder {
+                radius: smaller(cylinder.radius)?,
+                ..*cylinder
+            }),
+            Self::Sphere(sphere) => Self::Sphere(Sphere {
+                radius: smaller(sphere.radius)?,
+                ..*sphere
+            }),
+        })
     }
 
     /// How far in front of the surface (towards the rig) a point lies, mm.
     pub fn signed_distance(&self, point: Point<World>) -> f64 {
         match self {
             Self::Plane(plane) => plane.signed_distance(point),
+            Self::Cylinder(cylinder) => cylinder.from_axis(point).norm() - cylinder.radius,
+            Self::Sphere(sphere) => (point - sphere.centre).norm() - sphere.radius,
         }
     }
 
@@ -64,19 +112,80 @@ impl Surface {
     pub const fn freedom(&self) -> usize {
         match self {
             Self::Plane(_) => 3,
+            Self::Cylinder(_) => 5,
+            Self::Sphere(_) => 4,
         }
     }
 
     /// The surface moved by a small step in its own parameters.
     ///
-    /// A plane: tilts towards its normal's two tangents (radians) about its point, then a shift along
-    /// the normal (mm).
+    /// * A plane: tilts towards its normal's two tangents (radians) about its point, a shift along the
+    ///   normal (mm).
+    /// * A cylinder: tilts of the axis towards its two tangents (radians) about its point, shifts along
+    ///   these tangents (mm), the radius (mm).
+    /// * A sphere: shifts along x, y and z (mm), the radius (mm).
     pub fn nudged(&self, step: &DVector<f64>) -> Self {
         match self {
             Self::Plane(plane) => Self::Plane(Plane::new(
                 plane.point + plane.normal * step[2],
                 plane.normal.tilted(step[0], step[1]),
             )),
+            Self::Cylinder(cylinder) => {
+                let (u, v) = cylinder.axis.tangents();
+                Self::Cylinder(Cylinder {
+                    point: cylinder.point + (u * step[2] + v * step[3]),
+                    axis: cylinder.axis.tilted(step[0], step[1]),
+                    radius: cylinder.radius + step[4],
+                })
+            }
+            Self::Sphere(sphere) => Self::Sphere(Sphere {
+                centre: sphere.centre + step.fixed_rows::<3>(0).into_owned(),
+                radius: sphere.radius + step[3],
+            }),
         }
     }
+}
+
+impl Cylinder {
+    /// From the nearest point of the axis to a point.
+    fn from_axis(&self, point: Point<World>) -> nalgebra::Vector3<f64> {
+        across(point - self.point, self.axis)
+    }
+
+    fn distance_along(&self, ray: &Ray<World>) -> Option<f64> {
+        let along = across(ray.direction.vector(), self.axis);
+        nearer_root(self.from_axis(ray.origin), along, self.radius)
+    }
+}
+
+impl Sphere {
+    fn distance_along(&self, ray: &Ray<World>) -> Option<f64> {
+        nearer_root(
+            ray.origin - self.centre,
+            ray.direction.vector(),
+            self.radius,
+        )
+    }
+}
+
+/// The part of a vector across an axis.
+fn across(vector: nalgebra::Vector3<f64>, axis: Direction<World>) -> nalgebra::Vector3<f64> {
+    vector - axis * vector.dot(&axis.vector())
+}
+
+/// The smaller t with |origin + t along| = radius: where a ray from outside goes in.
+fn nearer_root(
+    origin: nalgebra::Vector3<f64>,
+    along: nalgebra::Vector3<f64>,
+    radius: f64,
+) -> Option<f64> {
+    let a = along.norm_squared();
+    let half = origin.dot(&along);
+    let c = origin.norm_squared() - radius * radius;
+    let discriminant = half * half - a * c;
+    if half >= 0.0 || discriminant < 0.0 {
+        return None;
+    }
+    // c over the larger root's numerator: no cancellation where the origin lies on the surface.
+    Some(c / (discriminant.sqrt() - half))
 }

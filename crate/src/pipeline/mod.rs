@@ -27,9 +27,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Point, World};
 use crate::object::{
-    Choice, CommonSigma, ObjectSettings, Optics, Setup, calibration_sigmas, find_object,
-    meet_unrefracted,
+    Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, meet_unrefracted,
 };
+use crate::optics::Media;
 use crate::scan::{Archive, InsideMedium, Scan, ScanError};
 use crate::spots::{SpotSettings, Spots, find_spots};
 use crate::vessel::{VesselError, VesselFit, VesselSettings, find_vessel};
@@ -87,7 +87,7 @@ pub struct Reconstruction<'a> {
     /// The wall.
     pub vessel: VesselFit,
     /// The media that were used.
-    pub optics: Optics,
+    pub media: Media,
     /// Each view's object point.
     pub object: Vec<Choice>,
     /// What an error of calibration and index would do to each.
@@ -114,21 +114,14 @@ pub fn reconstruct<'a>(
     if spots.iter().all(|view| view.spots.is_empty()) {
         return Err(PipelineError::NoSpots { views: spots.len() });
     }
-    let optics = optics(scan, settings)?;
-    let thickness = scan.manifest.vessel.wall_thickness;
-    let vessel = find_vessel(
-        &scan.rig,
-        &scan.stations,
-        spots,
-        thickness,
-        &settings.vessel,
-    )?;
+    let media = media(scan, settings)?;
+    let vessel = find_vessel(scan, spots, &media, &settings.vessel)?;
     let setup = Setup {
         rig: &scan.rig,
         calibration_sigma: &scan.calibration_sigma,
         stations: &scan.stations,
         vessel: &vessel,
-        optics,
+        media,
     };
     let object = find_object(&setup, spots, &settings.object);
     let common_sigmas = common_sigmas(&setup, spots, &object);
@@ -137,27 +130,27 @@ pub fn reconstruct<'a>(
         scan,
         spots,
         vessel,
-        optics,
+        media,
         object,
         common_sigmas,
         unrefracted,
     })
 }
 
-fn optics(scan: &Scan, settings: &Settings) -> Result<Optics, PipelineError> {
-    let media = &scan.manifest.media;
+fn media(scan: &Scan, settings: &Settings) -> Result<Media, PipelineError> {
+    let entry = &scan.manifest.media;
     if let Some(impossible) = settings.index.filter(|n| !(1.0..=4.0).contains(n)) {
         return Err(PipelineError::IndexImpossible(impossible));
     }
     let all_in_air = scan.stations.iter().all(|s| s.inside == InsideMedium::Air);
     let liquid = settings
         .index
-        .or(media.inside)
-        .or(all_in_air.then_some(media.outside))
+        .or(entry.inside)
+        .or(all_in_air.then_some(entry.outside))
         .ok_or(PipelineError::IndexUnknown)?;
-    Ok(Optics {
-        outside: media.outside,
-        wall: media.wall,
+    Ok(Media {
+        outside: entry.outside,
+        wall: entry.wall,
         liquid,
     })
 }

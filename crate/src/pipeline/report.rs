@@ -19,10 +19,10 @@ impl Reconstruction<'_> {
             scan: manifest.name.clone(),
             length_unit: LengthUnit::Millimetre,
             media: MediaResult {
-                outside: self.optics.outside,
-                wall: self.optics.wall,
+                outside: self.media.outside,
+                wall: self.media.wall,
                 inside: InsideResult {
-                    value: Some(self.optics.liquid),
+                    value: Some(self.media.liquid),
                     sigma: None,
                     method: IndexMethod::Given,
                     verdict: Verdict::Given,
@@ -41,6 +41,15 @@ impl Reconstruction<'_> {
             Surface::Plane(plane) => WallResult::Plane {
                 point: plane.point.to_array(),
                 normal: plane.normal.vector().into(),
+            },
+            Surface::Cylinder(cylinder) => WallResult::Cylinder {
+                axis_point: cylinder.point.to_array(),
+                axis: cylinder.axis.vector().into(),
+                radius: cylinder.radius,
+            },
+            Surface::Sphere(sphere) => WallResult::Sphere {
+                center: sphere.centre.to_array(),
+                radius: sphere.radius,
             },
         };
         VesselResult {

@@ -137,7 +137,7 @@ manifest! {
         /// The vessel.
         pub vessel: VesselEntry,
         /// Refractive indices.
-        pub media: Media,
+        pub media: MediaEntry,
         /// What is known of the object.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub known: Vec<KnownShape>,
@@ -248,7 +248,7 @@ manifest! {
     }
 
     /// Refractive indices.
-    pub struct Media {
+    pub struct MediaEntry {
         /// Around the rig.
         pub outside: f64,
         /// The wall.

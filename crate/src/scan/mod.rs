@@ -12,7 +12,7 @@ pub use archive::{Archive, MANIFEST_NAME};
 pub use error::{Place, ScanError};
 pub use manifest::{
     CalibrationSigmaEntry, CameraEntry, CameraModel, Extra, FarWall, InsideMedium, KnownKind,
-    KnownShape, LaserEntry, LaserKind, LengthUnit, Manifest, Media, PoseEntry, ScanFormat,
+    KnownShape, LaserEntry, LaserKind, LengthUnit, Manifest, MediaEntry, PoseEntry, ScanFormat,
     VesselEntry, VesselShape, ViewEntry,
 };
 pub use picture::{Limits, Picture, PicturePair};

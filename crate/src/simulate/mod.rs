@@ -21,8 +21,7 @@ use nalgebra::UnitQuaternion;
 
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Point, Pose, Ray, World};
-use crate::object::Optics;
-use crate::optics::{Stack, aim_through};
+use crate::optics::{Media, Stack, aim_through};
 use crate::scan::{InsideMedium, Manifest, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
@@ -33,7 +32,7 @@ pub struct Simulation {
     scene: Scene,
     scan: Scan,
     wall: Wall,
-    optics: Optics,
+    media: Media,
     solids: Vec<Solid>,
 }
 
@@ -51,7 +50,7 @@ impl Simulation {
         let mut manifest = scene.manifest()?;
         let wall = scene.wall()?;
         let solids = scene.solids()?;
-        let optics = Optics {
+        let media = Media {
             outside: scene.media.outside,
             wall: scene.media.wall,
             liquid: scene.media.inside,
@@ -66,7 +65,7 @@ impl Simulation {
             scan: Scan::new(manifest)?,
             scene,
             wall,
-            optics,
+            media,
             solids,
         };
         simulation.note_media()?;
@@ -114,19 +113,21 @@ impl Simulation {
     fn medium(&self, view: usize) -> InsideMedium {
         let station = &self.scan.stations[view];
         let beam = station.world_from_camera.ray(&self.scan.rig.beam);
-        let path = self
-            .optics
-            .stack(&self.wall, InsideMedium::Liquid)
-            .path(&beam);
-        match path {
+        match self.through(InsideMedium::Liquid).path(&beam) {
             Ok(path) => self.scene.medium_at(path.last.origin),
             Err(_) => InsideMedium::Liquid,
         }
     }
 
     fn stack(&self, view: usize) -> Stack {
-        self.optics
-            .stack(&self.wall, self.scan.stations[view].inside)
+        self.through(self.scan.stations[view].inside)
+    }
+
+    /// What light crosses into a medium behind the wall.
+    fn through(&self, inside: InsideMedium) -> Stack {
+        self.wall
+            .stack(&self.media, inside)
+            .expect("the wall was checked to fit when the scene was made")
     }
 
     /// Follows a ray of the beam (camera frame) to the wall's faces and the object.

@@ -84,19 +84,11 @@ fn shade(simulation: &Simulation, sight: &Ray<World>) -> f64 {
     };
     // The tank's edges, seen as bright seams.
     let seam = across.0.max(across.1) > 0.985;
-    let medium = match simulation
-        .optics
-        .stack(&simulation.wall, InsideMedium::Liquid)
-        .trace(sight)
-    {
+    let medium = match simulation.through(InsideMedium::Liquid).trace(sight) {
         Ok(inside) => scene.medium_at(inside.origin),
         Err(_) => return room,
     };
-    let Ok(inside) = simulation
-        .optics
-        .stack(&simulation.wall, medium)
-        .trace(sight)
-    else {
+    let Ok(inside) = simulation.through(medium).trace(sight) else {
         return room;
     };
     let clear = match medium {
@@ -113,7 +105,9 @@ fn shade(simulation: &Simulation, sight: &Ray<World>) -> f64 {
 
 /// Where a line of sight meets the front wall, in half-sizes from its middle; `None` beside it.
 fn place_on_front(simulation: &Simulation, sight: &Ray<World>) -> Option<(f64, f64)> {
-    let Surface::Plane(front) = simulation.wall.outer;
+    let Surface::Plane(front) = simulation.wall.outer else {
+        return None;
+    };
     let hit = simulation.wall.outer.hit(sight)?;
     let tank = &simulation.scene.vessel;
     let turn = super::rotation_from_degrees(tank.rotation);

@@ -7,7 +7,7 @@ use super::{Solid, rotation_from_degrees};
 use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
 use crate::optics::Surface;
 use crate::scan::{
-    CameraEntry, InsideMedium, LaserEntry, LengthUnit, Manifest, Media, PoseEntry, ScanError,
+    CameraEntry, InsideMedium, LaserEntry, LengthUnit, Manifest, MediaEntry, PoseEntry, ScanError,
     ScanFormat, VesselEntry, VesselShape,
 };
 use crate::vessel::Wall;
@@ -285,7 +285,7 @@ impl Scene {
                 far_wall: None,
                 extra: Default::default(),
             },
-            media: Media {
+            media: MediaEntry {
                 outside: self.media.outside,
                 wall: self.media.wall,
                 inside: self.index_known.then_some(self.media.inside),
@@ -314,11 +314,7 @@ impl Scene {
             problem,
         })?;
         let outer = Surface::Plane(Plane::new(Point::from(self.vessel.centre), normal));
-        Ok(Wall {
-            outer,
-            thickness: self.vessel.wall_thickness,
-            covariance: nalgebra::DMatrix::zeros(outer.freedom(), outer.freedom()),
-        })
+        Ok(Wall::exact(outer, self.vessel.wall_thickness, None))
     }
 
     /// What stands in the vessel.

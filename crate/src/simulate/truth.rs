@@ -39,10 +39,10 @@ impl Truth {
 }
 
 pub(super) fn of(simulation: &Simulation) -> Truth {
-    let optics = &simulation.optics;
+    let media = &simulation.media;
     Truth {
         scenario: simulation.scene.name.clone(),
-        n: [optics.outside, optics.wall, optics.liquid],
+        n: [media.outside, media.wall, media.liquid],
         views: (0..simulation.views())
             .map(|view| view_truth(simulation, view))
             .collect(),

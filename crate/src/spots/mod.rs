@@ -12,7 +12,7 @@ mod regions;
 pub use difference::Difference;
 pub use noise::Noise;
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Pixel;
@@ -52,6 +52,10 @@ pub struct Spot {
     pub v: f64,
     /// Covariance of the centroid from the pictures' noise, px^2: uu, uv, vv.
     pub covariance: [f64; 3],
+    /// Second central moments of the spot's light, px^2: uu, uv, vv.
+    pub shape: [f64; 3],
+    /// Third central moments, px^3: uuu, uuv, uvv, vvv.
+    pub skew: [f64; 4],
     /// Sum of the difference over the region, grey values.
     pub brightness: f64,
     /// Largest difference, grey values.
@@ -72,6 +76,19 @@ impl Spot {
     pub const fn covariance_matrix(&self) -> Matrix2<f64> {
         let [uu, uv, vv] = self.covariance;
         Matrix2::new(uu, uv, uv, vv)
+    }
+
+    /// The second moment of the spot's light along a unit vector, px^2.
+    pub fn width_along(&self, axis: Vector2<f64>) -> f64 {
+        let [uu, uv, vv] = self.shape;
+        uu * axis.x * axis.x + 2.0 * uv * axis.x * axis.y + vv * axis.y * axis.y
+    }
+
+    /// The third moment of the spot's light along a unit vector, px^3.
+    pub fn skew_along(&self, axis: Vector2<f64>) -> f64 {
+        let [uuu, uuv, uvv, vvv] = self.skew;
+        let (x, y) = (axis.x, axis.y);
+        uuu * x * x * x + 3.0 * uuv * x * x * y + 3.0 * uvv * x * y * y + vvv * y * y * y
     }
 }
 

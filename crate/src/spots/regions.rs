@@ -45,6 +45,7 @@ pub(super) fn regions(
 pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) -> Spot {
     let field = Field { difference, noise };
     let pixels = field.widened(region);
+    let all_light = field.widened(&field.widened(&pixels));
     let width = difference.width();
     let at = |i: usize| Vector2::new((i % width) as f64, (i / width) as f64);
     let weight = |i: usize| f64::from(difference.at(i)) - noise.offset();
@@ -62,15 +63,46 @@ pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) 
         covariance += lever * lever.transpose() * noise.variance(difference.level(*i));
     }
     covariance /= total * total;
+    let (shape, skew) = higher_moments(all_light.iter().map(|i| (at(*i), weight(*i))));
     Spot {
         u: centre.x,
         v: centre.y,
         covariance: [covariance.m11, covariance.m12, covariance.m22],
+        shape,
+        skew,
         brightness: total,
         peak: region.iter().map(|i| weight(*i)).fold(0.0, f64::max),
         area: region.len(),
         saturated: region.iter().any(|i| difference.saturated(*i)),
     }
+}
+
+/// Second and third central moments of the light: how wide and how lopsided a spot is. They weigh the
+/// flanks more than the centroid does, so they take in three pixels around the region.
+fn higher_moments(
+    light: impl Iterator<Item = (Vector2<f64>, f64)> + Clone,
+) -> ([f64; 3], [f64; 4]) {
+    let total: f64 = light.clone().map(|(_, w)| w).sum();
+    let centre = light
+        .clone()
+        .fold(Vector2::zeros(), |sum, (x, w)| sum + x * w)
+        / total;
+    let (mut second, mut third) = ([0.0; 3], [0.0; 4]);
+    for (place, w) in light {
+        let (x, y) = (place.x - centre.x, place.y - centre.y);
+        let w = w / total;
+        let squares = [x * x, x * y, y * y];
+        let cubes = [x * x * x, x * x * y, x * y * y, y * y * y];
+        second
+            .iter_mut()
+            .zip(squares)
+            .for_each(|(sum, m)| *sum += w * m);
+        third
+            .iter_mut()
+            .zip(cubes)
+            .for_each(|(sum, m)| *sum += w * m);
+    }
+    (second, third)
 }
 
 /// A difference picture with its noise.

@@ -1,9 +1,15 @@
 //! The vessel's wall: which spot lies on it, where that is in space, and what surface the points make
 //! (sections II-C and III-A of the paper).
 
-mod fit;
+mod find;
+mod glow;
 mod pick;
+mod refine;
+mod shape;
+mod start;
 mod wall;
 
-pub use fit::{VesselError, VesselFit, VesselPoint, VesselSettings, find_vessel};
-pub use wall::Wall;
+pub use find::{VesselError, VesselFit, VesselPoint, VesselSettings, find_vessel};
+pub use glow::Glows;
+pub use shape::ShapeChoice;
+pub use wall::{FarWall, NoRoom, Wall};

@@ -1,0 +1,389 @@
+use nalgebra::{DVector, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::glow::{self, Faces, Glows};
+use super::pick::{self, Candidate};
+use super::refine::{SurfaceFit, refine};
+use super::shape::{self, ShapeChoice};
+use super::wall::{FarWall, NoRoom, Wall};
+use crate::camera::Pixel;
+use crate::geometry::{FitError, Point, WeightedPoint, World};
+use crate::optics::{Media, Surface};
+use crate::rig::Rig;
+use crate::scan::{Scan, Station, VesselShape};
+use crate::spots::{Spot, Spots};
+
+/// How the wall is found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct VesselSettings {
+    /// A spot this near the epipolar line may lie on the wall, px.
+    pub epipolar_tolerance: f64,
+    /// A vessel point this many robust standard deviations off the surface is none.
+    pub outlier: f64,
+    /// Whether the glow of the wall's inner face is told from that of the outer one.
+    pub separate_glows: bool,
+    /// The wall's shape, in place of the manifest's.
+    pub shape: Option<VesselShape>,
+}
+
+impl Default for VesselSettings {
+    fn default() -> Self {
+        Self {
+            epipolar_tolerance: 5.0,
+            outlier: 5.0,
+            separate_glows: true,
+            shape: None,
+        }
+    }
+}
+
+/// A point of the wall's outer face, as one view shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VesselPoint {
+    /// Which of the view's spots.
+    pub spot: usize,
+    /// Where the outer face's own glow is seen: the spot's centroid less what the inner glow does to it.
+    pub pixel: Pixel,
+    /// The point.
+    pub point: Point<World>,
+    /// One standard deviation across the wall, from the centroid's noise, mm.
+    pub sigma: f64,
+    /// How far the spot lies off the epipolar line, px: a health figure of the calibration.
+    pub off_line: f64,
+    /// How far the point lies in front of the fitted wall, mm.
+    pub residual: f64,
+}
+
+/// The wall and the points that carry it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VesselFit {
+    /// The wall.
+    pub wall: Wall,
+    /// The vessel point of each view, if it has one.
+    pub points: Vec<Option<VesselPoint>>,
+    /// Root mean square residual of the points, mm.
+    pub rms: f64,
+    /// What the spots say of the wall's two glows.
+    pub glows: Option<Glows>,
+    /// What `auto` decided between.
+    pub choice: Option<ShapeChoice>,
+    /// The views that the fit's rows stand for.
+    views: Vec<usize>,
+    fit: SurfaceFit,
+}
+
+/// Why there is no wall.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VesselError {
+    /// No spot of any view lies near the epipolar line.
+    #[error(
+        "no view has a spot within {tolerance} px of the epipolar line, so the vessel's wall is not \
+         seen; check the laser's calibration and that the on and off pictures are not exchanged"
+    )]
+    NoSpots {
+        /// How near it would have to be, px.
+        tolerance: f64,
+    },
+    /// The points make no surface.
+    #[error("the vessel's wall cannot be fitted: {0}")]
+    Fit(#[from] FitError),
+    /// A shape needs more points.
+    #[error(
+        "the vessel's wall cannot be fitted: a {shape} needs at least {needed} vessel points, and there are {found}"
+    )]
+    TooFewPoints {
+        /// The shape.
+        shape: &'static str,
+        /// How many it needs.
+        needed: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// The points leave the shape open.
+    #[error(
+        "the vessel's wall cannot be fitted: the vessel points do not determine a {shape}; measure a \
+         larger part of the wall, or give another vessel.shape"
+    )]
+    Undetermined {
+        /// The shape.
+        shape: &'static str,
+    },
+    /// This version does not know the shape.
+    #[error(
+        "vessel.shape: a {shape} wall cannot be measured by this version; plane, cylinder, sphere and auto can"
+    )]
+    Unsupported {
+        /// The shape.
+        shape: &'static str,
+    },
+    /// The wall is thicker than the vessel.
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
+    /// Only flat vessels have a far wall.
+    #[error("vessel.far_wall: a far wall is measured through flat vessels alone")]
+    FarWallNotFlat,
+}
+
+/// Finds the wall.
+///
+/// In each view the first spot along the epipolar line is taken and triangulated in air; a robust
+/// surface goes through these points. Then each view's first spot that lies on that surface is taken (a
+/// ghost before the wall is passed over), the two glows of the wall are told apart, and the surface is
+/// fitted once more.
+pub fn find_vessel(
+    scan: &Scan,
+    spots: &[Spots],
+    media: &Media,
+    settings: &VesselSettings,
+) -> Result<VesselFit, VesselError> {
+    let finder = Finder {
+        rig: &scan.rig,
+        stations: &scan.stations,
+        spots,
+        media,
+        settings,
+        shape: settings.shape.unwrap_or(scan.manifest.vessel.shape),
+        thickness: scan.manifest.vessel.wall_thickness,
+        far: scan.manifest.vessel.far_wall.as_ref().map(|far| FarWall {
+            distance: far.distance,
+            thickness: far.thickness,
+        }),
+        front: mean_position(&scan.stations),
+    };
+    finder.find()
+}
+
+/// What does not change while the wall is found.
+struct Finder<'a> {
+    rig: &'a Rig,
+    stations: &'a [Station],
+    spots: &'a [Spots],
+    media: &'a Media,
+    settings: &'a VesselSettings,
+    shape: VesselShape,
+    thickness: f64,
+    far: Option<FarWall>,
+    front: Point<World>,
+}
+
+/// A view's vessel spot, and where its outer glow is.
+#[derive(Clone, Copy)]
+struct Pick {
+    view: usize,
+    candidate: Candidate,
+    pixel: Pixel,
+}
+
+impl Finder<'_> {
+    fn find(&self) -> Result<VesselFit, VesselError> {
+        let (picks, start, choice) = self.pick_spots()?;
+        let fit = self.refit(&picks, &start.surface)?;
+        let Some(glows) = self.glows(&picks, &fit.surface)? else {
+            return self.assemble(&picks, fit, None, choice);
+        };
+        let faces = self.faces(&picks, &self.wall(fit.surface)?);
+        let corrected = apply(&picks, &faces, glows.share);
+        let mut fit = self.refit(&corrected, &fit.surface)?;
+        self.add_glow_uncertainty(&mut fit, &picks, &faces, &glows);
+        self.assemble(&corrected, fit, Some(glows), choice)
+    }
+
+    /// Each view's spot on the wall, and a first fit.
+    fn pick_spots(&self) -> Result<(Vec<Pick>, SurfaceFit, Option<ShapeChoice>), VesselError> {
+        let tolerance = self.settings.epipolar_tolerance;
+        let candidates: Vec<Vec<Candidate>> = self
+            .spots
+            .iter()
+            .map(|view| pick::along_epipolar_line(self.rig, &view.spots, tolerance))
+            .collect();
+        if candidates.iter().all(Vec::is_empty) {
+            return Err(VesselError::NoSpots { tolerance });
+        }
+        let place =
+            |view: usize, c: &Candidate| self.stations[view].world_from_camera.point(c.point);
+        let firsts = candidates.iter().enumerate().filter_map(|(view, list)| {
+            let c = list.first()?;
+            Some(WeightedPoint {
+                point: place(view, c),
+                sigma: c.sigma,
+            })
+        });
+        let firsts: Vec<_> = firsts.collect();
+        let (start, choice) = shape::fit(&firsts, self.front, self.shape)?;
+        let limit = self.settings.outlier * start.scale.max(1e-6);
+        let on_wall = |(view, list): (usize, &Vec<Candidate>)| {
+            let off = |c: &Candidate| start.surface.signed_distance(place(view, c)).abs();
+            let near = |c: &&Candidate| off(c) <= limit.max(self.settings.outlier * c.sigma);
+            let candidate = *list.iter().find(near)?;
+            let pixel = self.spot(view, &candidate).pixel();
+            Some(Pick {
+                view,
+                candidate,
+                pixel,
+            })
+        };
+        let picks = candidates.iter().enumerate().filter_map(on_wall).collect();
+        Ok((picks, start, choice))
+    }
+
+    fn spot(&self, view: usize, candidate: &Candidate) -> &Spot {
+        &self.spots[view].spots[candidate.spot]
+    }
+
+    /// Triangulates the picks in air, as the range finder `rig` would.
+    fn points(&self, rig: &Rig, picks: &[Pick], near: &Surface) -> Vec<WeightedPoint<World>> {
+        let one = |pick: &Pick| {
+            let world_from_camera = rig.station(&self.stations[pick.view].world_from_flange);
+            let point = match pick::on_beam(rig, pick.pixel) {
+                Some(on_beam) => world_from_camera.point(on_beam.point),
+                None => world_from_camera.point(pick.candidate.point),
+            };
+            let beam = world_from_camera.direction(rig.beam.direction);
+            // An error along the beam counts across the wall by the cosine of incidence.
+            let cosine = near
+                .normal_at(point)
+                .map_or(1.0, |normal| beam.dot(normal).abs());
+            WeightedPoint {
+                point,
+                sigma: pick.candidate.sigma * cosine,
+            }
+        };
+        picks.iter().map(one).collect()
+    }
+
+    fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
+        let points = self.points(self.rig, picks, start);
+        refine(&points, *start).ok_or(VesselError::Undetermined { shape: "wall" })
+    }
+
+    fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {
+        if self.far.is_some() && !matches!(outer, Surface::Plane(_)) {
+            return Err(VesselError::FarWallNotFlat);
+        }
+        let wall = Wall::exact(outer, self.thickness, self.far);
+        wall.stack(self.media, Default::default())?;
+        Ok(wall)
+    }
+
+    fn faces(&self, picks: &[Pick], wall: &Wall) -> Vec<Option<Faces>> {
+        let one = |pick: &Pick| {
+            let pose = &self.stations[pick.view].world_from_camera;
+            glow::faces(self.rig, pose, wall, self.media)
+        };
+        picks.iter().map(one).collect()
+    }
+
+    fn glows(&self, picks: &[Pick], surface: &Surface) -> Result<Option<Glows>, VesselError> {
+        let faces = self.faces(picks, &self.wall(*surface)?);
+        if !self.settings.separate_glows {
+            return Ok(None);
+        }
+        let seen: Vec<(&Spot, Faces)> = picks
+            .iter()
+            .zip(faces)
+            .filter_map(|(pick, faces)| Some((self.spot(pick.view, &pick.candidate), faces?)))
+            .filter(|(spot, _)| !spot.saturated)
+            .collect();
+        Ok(glow::estimate(&seen, self.thickness))
+    }
+
+    /// An error of the glows' share moves all vessel points, and the wall with them.
+    fn add_glow_uncertainty(
+        &self,
+        fit: &mut SurfaceFit,
+        picks: &[Pick],
+        faces: &[Option<Faces>],
+        glows: &Glows,
+    ) {
+        let more = apply(picks, faces, glows.share + glows.share_sigma);
+        let moved = self.points(self.rig, &more, &fit.surface);
+        let shifts = moved
+            .iter()
+            .zip(&fit.residuals)
+            .map(|(p, before)| fit.surface.signed_distance(p.point) - before);
+        let shifts = DVector::from_iterator(moved.len(), shifts);
+        if let Some(step) = fit.response(&shifts) {
+            fit.covariance += &step * step.transpose();
+        }
+    }
+
+    fn assemble(
+        &self,
+        picks: &[Pick],
+        fit: SurfaceFit,
+        glows: Option<Glows>,
+        choice: Option<ShapeChoice>,
+    ) -> Result<VesselFit, VesselError> {
+        let mut points = vec![None; self.stations.len()];
+        let places = self.points(self.rig, picks, &fit.surface);
+        for (row, (pick, place)) in picks.iter().zip(&places).enumerate() {
+            // A point that the fit refused is no point of the wall.
+            points[pick.view] = (fit.weights[row] > 0.0).then(|| VesselPoint {
+                spot: pick.candidate.spot,
+                pixel: pick.pixel,
+                point: place.point,
+                sigma: place.sigma,
+                off_line: pick.candidate.off_line,
+                residual: fit.residuals[row],
+            });
+        }
+        let mut wall = self.wall(fit.surface)?;
+        wall.covariance = fit.covariance.clone();
+        Ok(VesselFit {
+            wall,
+            points,
+            rms: fit.rms,
+            glows,
+            choice,
+            views: picks.iter().map(|pick| pick.view).collect(),
+            fit,
+        })
+    }
+}
+
+/// Takes the inner glow's part out of the centroids.
+fn apply(picks: &[Pick], faces: &[Option<Faces>], share: f64) -> Vec<Pick> {
+    let one = |(pick, faces): (&Pick, &Option<Faces>)| {
+        let mut pick = *pick;
+        if let Some(faces) = faces {
+            pick.pixel.u -= share * faces.offset.x;
+            pick.pixel.v -= share * faces.offset.y;
+        }
+        pick
+    };
+    picks.iter().zip(faces).map(one).collect()
+}
+
+impl VesselFit {
+    /// The wall that the same spots, with the same weights, would give if the range finder were `rig`:
+    /// how an error of calibration passes into the wall, to first order.
+    pub fn refitted(&self, rig: &Rig, stations: &[Station]) -> Option<Wall> {
+        let mut shifts = DVector::zeros(self.views.len());
+        for (row, view) in self.views.iter().enumerate() {
+            let Some(point) = &self.points[*view] else {
+                continue;
+            };
+            let world_from_camera = rig.station(&stations[*view].world_from_flange);
+            let moved = world_from_camera.point(pick::on_beam(rig, point.pixel)?.point);
+            shifts[row] = self.wall.outer.signed_distance(moved) - point.residual;
+        }
+        Some(self.wall.nudged(&self.fit.response(&shifts)?))
+    }
+
+    /// The median of how far the vessel's spots lie off the epipolar line, px, with its sign: 0 if the
+    /// laser's calibration is right.
+    pub fn median_off_line(&self) -> Option<f64> {
+        let mut off: Vec<f64> = self.points.iter().flatten().map(|p| p.off_line).collect();
+        off.sort_by(f64::total_cmp);
+        off.get(off.len() / 2).copied()
+    }
+}
+
+fn mean_position(stations: &[Station]) -> Point<World> {
+    let sum: Vector3<f64> = stations
+        .iter()
+        .map(|s| s.world_from_camera.translation())
+        .sum();
+    Point::from_coords(sum / stations.len() as f64)
+}
