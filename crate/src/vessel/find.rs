@@ -2,6 +2,7 @@ use nalgebra::{DVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::glow::{self, Faces, Glows};
+use super::grain::{self, OffLine};
 use super::pick::{self, Candidate};
 use super::refine::{SurfaceFit, refine};
 use super::shape::{self, ShapeChoice};
@@ -64,6 +65,9 @@ pub struct VesselFit {
     pub points: Vec<Option<VesselPoint>>,
     /// Root mean square residual of the points, mm.
     pub rms: f64,
+    /// The grain of the laser's light: the variance of a centroid is the camera's noise and this part of
+    /// the spot's second moments.
+    pub grain: f64,
     /// What the spots say of the wall's two glows.
     pub glows: Option<Glows>,
     /// What `auto` decided between.
@@ -177,16 +181,19 @@ struct Pick {
 
 impl Finder<'_> {
     fn find(&self) -> Result<VesselFit, VesselError> {
-        let (picks, start, choice) = self.pick_spots()?;
-        let fit = self.refit(&picks, &start.surface)?;
-        let Some(glows) = self.glows(&picks, &fit.surface)? else {
-            return self.assemble(&picks, fit, None, choice);
-        };
-        let faces = self.faces(&picks, &self.wall(fit.surface)?);
-        let corrected = apply(&picks, &faces, glows.share);
-        let mut fit = self.refit(&corrected, &fit.surface)?;
-        self.add_glow_uncertainty(&mut fit, &picks, &faces, &glows);
-        self.assemble(&corrected, fit, Some(glows), choice)
+        let (merged, start, choice) = self.pick_spots()?;
+        let first = self.refit(&merged, &start.surface)?;
+        let faces = self.faces(&merged, &self.wall(first.surface)?);
+        let glows = self.glows(&merged, &faces);
+        let share = glows.map_or(0.0, |glows| glows.share);
+        let mut picks = self.without_inner_glow(&merged, &faces, share);
+        let grain = self.add_grain(&mut picks);
+        let mut fit = self.refit(&picks, &first.surface)?;
+        if let Some(glows) = &glows {
+            let more = self.without_inner_glow(&merged, &faces, share + glows.share_sigma);
+            self.add_uncertainty(&mut fit, &more);
+        }
+        self.assemble(&picks, fit, (grain, glows, choice))
     }
 
     /// Each view's spot on the wall, and a first fit.
@@ -225,6 +232,28 @@ impl Finder<'_> {
         };
         let picks = candidates.iter().enumerate().filter_map(on_wall).collect();
         Ok((picks, start, choice))
+    }
+
+    /// Estimates the grain of the laser's light and counts it into the picks' standard deviations.
+    fn add_grain(&self, picks: &mut [Pick]) -> f64 {
+        let normal = self.rig.epipolar_line().normal();
+        let off_line = |pick: &Pick| {
+            let spot = self.spot(pick.view, &pick.candidate);
+            OffLine {
+                along: pick.candidate.along,
+                off: pick.candidate.off_line,
+                variance: (normal.transpose() * spot.covariance_matrix() * normal).x,
+                width: spot.width_along(normal),
+            }
+        };
+        let grain = grain::estimate(&picks.iter().map(off_line).collect::<Vec<_>>());
+        for pick in picks {
+            let spot = self.spot(pick.view, &pick.candidate);
+            if let Some(sigma) = pick::sigma_along(self.rig, spot, grain) {
+                pick.candidate.sigma = sigma;
+            }
+        }
+        grain
     }
 
     fn spot(&self, view: usize, candidate: &Candidate) -> &Spot {
@@ -274,35 +303,43 @@ impl Finder<'_> {
         picks.iter().map(one).collect()
     }
 
-    fn glows(&self, picks: &[Pick], surface: &Surface) -> Result<Option<Glows>, VesselError> {
-        let faces = self.faces(picks, &self.wall(*surface)?);
+    fn glows(&self, picks: &[Pick], faces: &[Option<Faces>]) -> Option<Glows> {
         if !self.settings.separate_glows {
-            return Ok(None);
+            return None;
         }
         let seen: Vec<(&Spot, Faces)> = picks
             .iter()
             .zip(faces)
-            .filter_map(|(pick, faces)| Some((self.spot(pick.view, &pick.candidate), faces?)))
+            .filter_map(|(pick, faces)| Some((self.spot(pick.view, &pick.candidate), (*faces)?)))
             .filter(|(spot, _)| !spot.saturated)
             .collect();
-        Ok(glow::estimate(&seen, self.thickness))
+        glow::estimate(&seen, self.thickness)
     }
 
-    /// An error of the glows' share moves all vessel points, and the wall with them.
-    fn add_glow_uncertainty(
-        &self,
-        fit: &mut SurfaceFit,
-        picks: &[Pick],
-        faces: &[Option<Faces>],
-        glows: &Glows,
-    ) {
-        let more = apply(picks, faces, glows.share + glows.share_sigma);
-        let moved = self.points(self.rig, &more, &fit.surface);
-        let shifts = moved
-            .iter()
-            .zip(&fit.residuals)
-            .map(|(p, before)| fit.surface.signed_distance(p.point) - before);
-        let shifts = DVector::from_iterator(moved.len(), shifts);
+    /// The picks with the inner glow's part taken out of the centroids.
+    fn without_inner_glow(&self, picks: &[Pick], faces: &[Option<Faces>], share: f64) -> Vec<Pick> {
+        let one = |(pick, faces): (&Pick, &Option<Faces>)| {
+            let mut pick = *pick;
+            if let Some(faces) = faces {
+                pick.pixel.u -= share * faces.offset.x;
+                pick.pixel.v -= share * faces.offset.y;
+            }
+            if let Some(on_beam) = pick::on_beam(self.rig, pick.pixel) {
+                pick.candidate.off_line = on_beam.off_line * self.rig.camera.mean_focal();
+            }
+            pick
+        };
+        picks.iter().zip(faces).map(one).collect()
+    }
+
+    /// An error that moves all vessel points to those of `moved` moves the wall with them.
+    fn add_uncertainty(&self, fit: &mut SurfaceFit, moved: &[Pick]) {
+        let points = self.points(self.rig, moved, &fit.surface);
+        let shift = |(p, before): (&WeightedPoint<World>, &f64)| {
+            fit.surface.signed_distance(p.point) - before
+        };
+        let shifts = points.iter().zip(&fit.residuals).map(shift);
+        let shifts = DVector::from_iterator(points.len(), shifts);
         if let Some(step) = fit.response(&shifts) {
             fit.covariance += &step * step.transpose();
         }
@@ -312,8 +349,7 @@ impl Finder<'_> {
         &self,
         picks: &[Pick],
         fit: SurfaceFit,
-        glows: Option<Glows>,
-        choice: Option<ShapeChoice>,
+        (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
         let mut points = vec![None; self.stations.len()];
         let places = self.points(self.rig, picks, &fit.surface);
@@ -334,25 +370,13 @@ impl Finder<'_> {
             wall,
             points,
             rms: fit.rms,
+            grain,
             glows,
             choice,
             views: picks.iter().map(|pick| pick.view).collect(),
             fit,
         })
     }
-}
-
-/// Takes the inner glow's part out of the centroids.
-fn apply(picks: &[Pick], faces: &[Option<Faces>], share: f64) -> Vec<Pick> {
-    let one = |(pick, faces): (&Pick, &Option<Faces>)| {
-        let mut pick = *pick;
-        if let Some(faces) = faces {
-            pick.pixel.u -= share * faces.offset.x;
-            pick.pixel.v -= share * faces.offset.y;
-        }
-        pick
-    };
-    picks.iter().zip(faces).map(one).collect()
 }
 
 impl VesselFit {
