@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use super::glow::{self, Faces, Glows};
 use super::grain::{self, OffLine};
 use super::pick::{self, Candidate};
-use super::refine::{SurfaceFit, refine};
+use super::refine::{SurfaceFit, hold, refine};
 use super::shape::{self, ShapeChoice};
 use super::wall::{FarWall, NoRoom, Wall};
 use crate::camera::Pixel;
@@ -72,6 +72,8 @@ pub struct VesselFit {
     pub glows: Option<Glows>,
     /// What `auto` decided between.
     pub choice: Option<ShapeChoice>,
+    /// Whether the wall was known beforehand, so that no error of measurement moves it.
+    pub known: bool,
     /// The views that the fit's rows stand for.
     views: Vec<usize>,
     fit: SurfaceFit,
@@ -124,6 +126,15 @@ pub enum VesselError {
     /// The wall is thicker than the vessel.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
+    /// The wall is not where the manifest says.
+    #[error(
+        "vessel: the wall given in scan.json misses the measured vessel points (they lie {median:+.1} mm \
+         in front of it, median); check its place and frame, or leave it out to have it measured"
+    )]
+    KnownWallMisses {
+        /// How far in front of the given wall the points lie, median, mm.
+        median: f64,
+    },
     /// Only flat vessels have a far wall.
     #[error("vessel.far_wall: a far wall is measured through flat vessels alone")]
     FarWallNotFlat,
@@ -148,6 +159,7 @@ pub fn find_vessel(
         media,
         settings,
         shape: settings.shape.unwrap_or(scan.manifest.vessel.shape),
+        known: scan.known_wall.filter(|_| settings.shape.is_none()),
         thickness: scan.manifest.vessel.wall_thickness,
         far: scan.manifest.vessel.far_wall.as_ref().map(|far| FarWall {
             distance: far.distance,
@@ -166,6 +178,7 @@ struct Finder<'a> {
     media: &'a Media,
     settings: &'a VesselSettings,
     shape: VesselShape,
+    known: Option<Surface>,
     thickness: f64,
     far: Option<FarWall>,
     front: Point<World>,
@@ -189,7 +202,7 @@ impl Finder<'_> {
         let mut picks = self.without_inner_glow(&merged, &faces, share);
         let grain = self.add_grain(&mut picks);
         let mut fit = self.refit(&picks, &first.surface)?;
-        if let Some(glows) = &glows {
+        if let (Some(glows), None) = (&glows, self.known) {
             let more = self.without_inner_glow(&merged, &faces, share + glows.share_sigma);
             self.add_uncertainty(&mut fit, &more);
         }
@@ -217,7 +230,10 @@ impl Finder<'_> {
             })
         });
         let firsts: Vec<_> = firsts.collect();
-        let (start, choice) = shape::fit(&firsts, self.front, self.shape)?;
+        let (start, choice) = match self.known {
+            Some(known) => (self.hold_against(known, &firsts)?, None),
+            None => shape::fit(&firsts, self.front, self.shape)?,
+        };
         let limit = self.settings.outlier * start.scale.max(1e-6);
         let on_wall = |(view, list): (usize, &Vec<Candidate>)| {
             let off = |c: &Candidate| start.surface.signed_distance(place(view, c)).abs();
@@ -232,6 +248,23 @@ impl Finder<'_> {
         };
         let picks = candidates.iter().enumerate().filter_map(on_wall).collect();
         Ok((picks, start, choice))
+    }
+
+    /// Holds the points against a wall that is known beforehand.
+    fn hold_against(
+        &self,
+        known: Surface,
+        points: &[WeightedPoint<World>],
+    ) -> Result<SurfaceFit, VesselError> {
+        const FARTHEST: f64 = 5.0;
+        let fit = hold(points, known);
+        let mut off: Vec<f64> = fit.residuals.iter().copied().collect();
+        off.sort_by(f64::total_cmp);
+        let median = off[off.len() / 2];
+        if median.abs() > FARTHEST || fit.scale > FARTHEST {
+            return Err(VesselError::KnownWallMisses { median });
+        }
+        Ok(fit)
     }
 
     /// Estimates the grain of the laser's light and counts it into the picks' standard deviations.
@@ -283,6 +316,9 @@ impl Finder<'_> {
 
     fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
         let points = self.points(self.rig, picks, start);
+        if let Some(known) = self.known {
+            return Ok(hold(&points, known));
+        }
         refine(&points, *start).ok_or(VesselError::Undetermined { shape: "wall" })
     }
 
@@ -373,6 +409,7 @@ impl Finder<'_> {
             grain,
             glows,
             choice,
+            known: self.known.is_some(),
             views: picks.iter().map(|pick| pick.view).collect(),
             fit,
         })
@@ -383,6 +420,9 @@ impl VesselFit {
     /// The wall that the same spots, with the same weights, would give if the range finder were `rig`:
     /// how an error of calibration passes into the wall, to first order.
     pub fn refitted(&self, rig: &Rig, stations: &[Station]) -> Option<Wall> {
+        if self.known {
+            return Some(self.wall.clone());
+        }
         let mut shifts = DVector::zeros(self.views.len());
         for (row, view) in self.views.iter().enumerate() {
             let Some(point) = &self.points[*view] else {
