@@ -354,6 +354,9 @@ fn warnings(manifest: &Manifest) -> Vec<String> {
     unknown("laser.", &manifest.laser.extra);
     unknown("flange_from_camera.", &manifest.flange_from_camera.extra);
     unknown("vessel.", &manifest.vessel.extra);
+    if let Some(far_wall) = &manifest.vessel.far_wall {
+        unknown("vessel.far_wall.", &far_wall.extra);
+    }
     if let Some(far) = &manifest.vessel.far_wall {
         unknown("vessel.far_wall.", &far.extra);
     }
@@ -366,6 +369,8 @@ fn warnings(manifest: &Manifest) -> Vec<String> {
     }
     for (index, view) in manifest.views.iter().enumerate() {
         unknown(&format!("views[{index}]."), &view.extra);
+        let pose = format!("views[{index}].world_from_flange.");
+        unknown(&pose, &view.world_from_flange.extra);
     }
     let alone: Vec<&str> = manifest
         .views
