@@ -354,9 +354,6 @@ fn warnings(manifest: &Manifest) -> Vec<String> {
     unknown("laser.", &manifest.laser.extra);
     unknown("flange_from_camera.", &manifest.flange_from_camera.extra);
     unknown("vessel.", &manifest.vessel.extra);
-    if let Some(far_wall) = &manifest.vessel.far_wall {
-        unknown("vessel.far_wall.", &far_wall.extra);
-    }
     if let Some(far) = &manifest.vessel.far_wall {
         unknown("vessel.far_wall.", &far.extra);
     }
