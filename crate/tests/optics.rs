@@ -427,9 +427,9 @@ fn aiming_through_parallel_layers_solves_their_one_equation() {
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
             if way(middle) < target.norm() {
-                low = middle
+                low = middle;
             } else {
-                high = middle
+                high = middle;
             }
         }
         let aim = aim_through(

@@ -71,10 +71,6 @@ fn score(result: &ReconstructionResult, truth: &Truth) -> Score {
 fn assert_recovered(simulated: &Simulated, rms: f64) -> ReconstructionResult {
     let result = measure(&simulated.archive).unwrap();
     let score = score(&result, &simulated.truth);
-    println!(
-        "{} of {} found, RMS {:.3} mm, worst {:.3} mm",
-        score.found, score.wanted, score.rms, score.worst
-    );
     assert!(
         score.wanted >= 15,
         "the scene shows its object: {}",
@@ -118,12 +114,6 @@ fn standard_deviations_are_honest() {
         normalised.iter().filter(|z| z.abs() <= limit).count() as f64 / normalised.len() as f64
     };
     let mean_square = normalised.iter().map(|z| z * z).sum::<f64>() / normalised.len() as f64;
-    println!(
-        "{} values: {:.3} {:.3} {mean_square:.3}",
-        normalised.len(),
-        share(1.0),
-        share(2.0)
-    );
     assert!(
         (0.92..0.99).contains(&share(2.0)),
         "{} within 2 sigma",
@@ -214,7 +204,6 @@ fn where_the_beam_misses_the_object_there_is_no_point() {
     let simulated = simulate(scene);
     let result = measure(&simulated.archive).unwrap();
     let score = score(&result, &simulated.truth);
-    println!("{} of {}, RMS {:.3}", score.found, score.wanted, score.rms);
     assert!((3..=14).contains(&score.wanted), "{}", score.wanted);
     assert_eq!((score.found, score.false_points), (score.wanted, 0));
     assert!(score.worst < 1.0, "{}", score.worst);
