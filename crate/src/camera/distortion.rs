@@ -40,23 +40,38 @@ impl Distortion {
         self.apply_with_derivative(ideal).0
     }
 
-    /// The slopes that the lens moves to `distorted`: Newton's method to the last bits (residual below
-    /// 1e-13). `None` beyond the radius at which the model folds back on itself.
+    /// The slopes that the lens moves to `distorted`: Newton's method to the last bits. `None` beyond the
+    /// radius at which the model folds back on itself.
     pub fn remove(&self, distorted: Vector2<f64>) -> Option<Vector2<f64>> {
         let mut ideal = distorted;
         for _ in 0..50 {
             let (image, derivative) = self.apply_with_derivative(ideal);
             let error = distorted - image;
-            if error.norm() < 1e-13 {
-                // Past the fold the derivative turns over: a solution there is another ray's.
-                return (derivative.determinant() > 0.0).then_some(ideal);
-            }
+            let settled = error.norm() < 1e-13;
             ideal += derivative.try_inverse()? * error;
+            if settled {
+                // Past a fold there are solutions too, but they are other rays'.
+                return self.rises_up_to(ideal).then_some(ideal);
+            }
             if !(ideal.norm_squared() < 100.0) {
                 return None;
             }
         }
         None
+    }
+
+    /// Whether the lens moves lines of sight the farther out the farther out they are, all the way to
+    /// `ideal`: d(r q)/dr > 0. The tangential part is too small to fold the picture.
+    fn rises_up_to(&self, ideal: Vector2<f64>) -> bool {
+        const STEPS: i32 = 16;
+        let rises = |r2: f64| {
+            let (up, up_slope) = polynomial(self.numerator, r2);
+            let (down, down_slope) = polynomial(self.denominator, r2);
+            let slope = (up_slope * down - up * down_slope) / (down * down);
+            up / down + 2.0 * r2 * slope > 0.0
+        };
+        let outermost = ideal.norm_squared();
+        (1..=STEPS).all(|step| rises(outermost * f64::from(step) / f64::from(STEPS)))
     }
 
     /// As [`Distortion::apply`], with the derivative by the ideal slopes.

@@ -80,6 +80,11 @@ impl Intrinsics {
         Slope::of(point).map(|slope| self.pixel(slope))
     }
 
+    /// The mean focal length, px: what small slopes count in the picture.
+    pub fn mean_focal(&self) -> f64 {
+        0.5 * (self.focal[0] + self.focal[1])
+    }
+
     /// The pixel of a line of sight.
     pub fn pixel(&self, slope: Slope) -> Pixel {
         let image = self.distortion.apply(Vector2::new(slope.x, slope.y));

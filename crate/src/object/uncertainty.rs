@@ -84,7 +84,7 @@ pub fn noise(setup: &Setup, station: &Station, spot: &Spot) -> Result<Noise, Mee
             ))
         })
         .collect::<Result<Vec<_>, MeetingError>>()?;
-    let pixel_covariance = spot.covariance_matrix();
+    let pixel_covariance = spot.covariance_with(setup.vessel.grain);
     let mut noise = Noise {
         covariance: Matrix3::zeros(),
         gap: 0.0,

@@ -30,8 +30,8 @@ pub fn aim_through(
     eye: Point<World>,
     target: Point<World>,
 ) -> Result<Direction<World>, AimError> {
-    let mut aim = Direction::new(target - eye).map_err(|_| AimError::NotReached { miss: 0.0 })?;
-    let mut miss = offset(stack, eye, aim, target)?;
+    let straight = Direction::new(target - eye).map_err(|_| AimError::NotReached { miss: 0.0 })?;
+    let (mut aim, mut miss) = start(stack, eye, straight, target)?;
     for _ in 0..STEPS {
         if miss.norm() < CLOSE_ENOUGH {
             return Ok(aim);
@@ -53,6 +53,33 @@ pub fn aim_through(
     } else {
         Err(AimError::NotReached { miss: miss.norm() })
     }
+}
+
+/// The ray to start from: straight at the target or, where that is thrown back by a thinner medium, the
+/// first of some ever squarer to the first face that gets through.
+fn start(
+    stack: &Stack,
+    eye: Point<World>,
+    straight: Direction<World>,
+    target: Point<World>,
+) -> Result<(Direction<World>, Vector2<f64>), TraceError> {
+    const PARTS: i32 = 16;
+    let try_aim = |aim| offset(stack, eye, aim, target).map(|miss| (aim, miss));
+    let first = try_aim(straight);
+    let thrown_back = |e: &TraceError| matches!(e.problem, super::TraceProblem::TotalReflection(_));
+    if !first.as_ref().is_err_and(thrown_back) {
+        return first;
+    }
+    let entry = stack
+        .interfaces
+        .first()
+        .and_then(|face| face.surface.hit(&Ray::new(eye, straight)));
+    let squarer = |part: i32| {
+        let part = f64::from(part) / f64::from(PARTS);
+        let blend = straight * (1.0 - part) - entry?.normal * part;
+        try_aim(Direction::new(blend).ok()?).ok()
+    };
+    (1..=PARTS).find_map(squarer).map_or(first, Ok)
 }
 
 /// How far the traced ray passes from the target, across two directions fixed to the ray aimed at it.

@@ -1,4 +1,4 @@
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use crate::camera::{Intrinsics, Pixel, Slope};
 use crate::geometry::{Camera, Point, Ray};
@@ -33,6 +33,11 @@ impl EpipolarLine {
             beam: *beam,
             line: plane / scale,
         }
+    }
+
+    /// The unit vector across the line, in the picture.
+    pub fn normal(&self) -> Vector2<f64> {
+        self.line.xy()
     }
 
     /// How far off the line a line of sight passes, in slopes, with a sign.

@@ -234,6 +234,24 @@ manifest! {
         pub shape: VesselShape,
         /// Millimetres.
         pub wall_thickness: f64,
+        /// Where the wall is known beforehand: a point of a plane's outer face, world frame, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub point: Option<[f64; 3]>,
+        /// With `point`: the plane's normal towards the rig, any length but zero.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub normal: Option<[f64; 3]>,
+        /// Where the wall is known beforehand: a point of a cylinder's axis, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub axis_point: Option<[f64; 3]>,
+        /// With `axis_point`: along the axis, any length but zero.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub axis: Option<[f64; 3]>,
+        /// Where the wall is known beforehand: a sphere's middle, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub center: Option<[f64; 3]>,
+        /// With `axis_point` or `center`: the outer face's radius, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub radius: Option<f64>,
         /// A second wall between the liquid and the object.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub far_wall: Option<FarWall>,

@@ -2,6 +2,7 @@
 
 mod archive;
 mod error;
+mod known_wall;
 mod manifest;
 mod picture;
 mod sweeps;

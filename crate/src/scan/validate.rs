@@ -2,10 +2,11 @@
 
 use super::{
     CalibrationSigmaEntry, Extra, InsideMedium, LaserKind, Limits, Manifest, Place, PoseEntry,
-    ScanError,
+    ScanError, known_wall,
 };
 use crate::camera::{Distortion, Intrinsics, Pixel};
 use crate::geometry::{Camera, Direction, Flange, Frame, Point, Pose, Ray, World};
+use crate::optics::Surface;
 use crate::rig::{CalibrationSigma, Rig};
 
 /// A checked scan: the manifest, and what it means in the units and frames of the mathematics.
@@ -17,6 +18,8 @@ pub struct Scan {
     pub rig: Rig,
     /// What calibration gave, to one standard deviation.
     pub calibration_sigma: CalibrationSigma,
+    /// The wall's outer face, where it is known beforehand.
+    pub known_wall: Option<Surface>,
     /// The views' poses and media, in the manifest's order.
     pub stations: Vec<Station>,
     /// What is odd but no error.
@@ -90,12 +93,14 @@ impl Scan {
         check_media(&manifest)?;
         check_vessel(&manifest)?;
         let calibration_sigma = calibration_sigma(manifest.calibration_sigma.as_ref())?;
+        let known_wall = known_wall::of(&manifest.vessel)?;
         let stations = stations(&manifest, &rig)?;
         let warnings = warnings(&manifest);
         Ok(Self {
             manifest,
             rig,
             calibration_sigma,
+            known_wall,
             stations,
             warnings,
         })
@@ -215,10 +220,15 @@ fn refractive_index(value: f64, place: &str) -> Result<(), ScanError> {
 }
 
 fn check_vessel(manifest: &Manifest) -> Result<(), ScanError> {
-    positive(manifest.vessel.wall_thickness, "vessel.wall_thickness")
+    positive(manifest.vessel.wall_thickness, "vessel.wall_thickness")?;
+    if let Some(far) = &manifest.vessel.far_wall {
+        positive(far.distance, "vessel.far_wall.distance")?;
+        positive(far.thickness, "vessel.far_wall.thickness")?;
+    }
+    Ok(())
 }
 
-fn positive(value: f64, place: &str) -> Result<(), ScanError> {
+pub(super) fn positive(value: f64, place: &str) -> Result<(), ScanError> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
@@ -344,6 +354,9 @@ fn warnings(manifest: &Manifest) -> Vec<String> {
     unknown("laser.", &manifest.laser.extra);
     unknown("flange_from_camera.", &manifest.flange_from_camera.extra);
     unknown("vessel.", &manifest.vessel.extra);
+    if let Some(far) = &manifest.vessel.far_wall {
+        unknown("vessel.far_wall.", &far.extra);
+    }
     unknown("media.", &manifest.media.extra);
     if let Some(sigma) = &manifest.calibration_sigma {
         unknown("calibration_sigma.", &sigma.extra);

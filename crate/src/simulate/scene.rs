@@ -282,6 +282,12 @@ impl Scene {
             vessel: VesselEntry {
                 shape: VesselShape::Plane,
                 wall_thickness: self.vessel.wall_thickness,
+                point: None,
+                normal: None,
+                axis_point: None,
+                axis: None,
+                center: None,
+                radius: None,
                 far_wall: None,
                 extra: Default::default(),
             },

@@ -78,6 +78,13 @@ impl Spot {
         Matrix2::new(uu, uv, uv, vv)
     }
 
+    /// The centroid's covariance, px^2, with what the grain of laser light adds: `grain` times the spot's
+    /// second moments.
+    pub fn covariance_with(&self, grain: f64) -> Matrix2<f64> {
+        let [uu, uv, vv] = self.shape;
+        self.covariance_matrix() + Matrix2::new(uu, uv, uv, vv) * grain
+    }
+
     /// The second moment of the spot's light along a unit vector, px^2.
     pub fn width_along(&self, axis: Vector2<f64>) -> f64 {
         let [uu, uv, vv] = self.shape;

@@ -2,8 +2,9 @@ use nalgebra::{DVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::glow::{self, Faces, Glows};
+use super::grain::{self, OffLine};
 use super::pick::{self, Candidate};
-use super::refine::{SurfaceFit, refine};
+use super::refine::{SurfaceFit, hold, refine};
 use super::shape::{self, ShapeChoice};
 use super::wall::{FarWall, NoRoom, Wall};
 use crate::camera::Pixel;
@@ -64,10 +65,15 @@ pub struct VesselFit {
     pub points: Vec<Option<VesselPoint>>,
     /// Root mean square residual of the points, mm.
     pub rms: f64,
+    /// The grain of the laser's light: the variance of a centroid is the camera's noise and this part of
+    /// the spot's second moments.
+    pub grain: f64,
     /// What the spots say of the wall's two glows.
     pub glows: Option<Glows>,
     /// What `auto` decided between.
     pub choice: Option<ShapeChoice>,
+    /// Whether the wall was known beforehand, so that no error of measurement moves it.
+    pub known: bool,
     /// The views that the fit's rows stand for.
     views: Vec<usize>,
     fit: SurfaceFit,
@@ -120,6 +126,15 @@ pub enum VesselError {
     /// The wall is thicker than the vessel.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
+    /// The wall is not where the manifest says.
+    #[error(
+        "vessel: the wall given in scan.json misses the measured vessel points (they lie {median:+.1} mm \
+         in front of it, median); check its place and frame, or leave it out to have it measured"
+    )]
+    KnownWallMisses {
+        /// How far in front of the given wall the points lie, median, mm.
+        median: f64,
+    },
     /// Only flat vessels have a far wall.
     #[error("vessel.far_wall: a far wall is measured through flat vessels alone")]
     FarWallNotFlat,
@@ -144,6 +159,7 @@ pub fn find_vessel(
         media,
         settings,
         shape: settings.shape.unwrap_or(scan.manifest.vessel.shape),
+        known: scan.known_wall.filter(|_| settings.shape.is_none()),
         thickness: scan.manifest.vessel.wall_thickness,
         far: scan.manifest.vessel.far_wall.as_ref().map(|far| FarWall {
             distance: far.distance,
@@ -162,6 +178,7 @@ struct Finder<'a> {
     media: &'a Media,
     settings: &'a VesselSettings,
     shape: VesselShape,
+    known: Option<Surface>,
     thickness: f64,
     far: Option<FarWall>,
     front: Point<World>,
@@ -177,16 +194,19 @@ struct Pick {
 
 impl Finder<'_> {
     fn find(&self) -> Result<VesselFit, VesselError> {
-        let (picks, start, choice) = self.pick_spots()?;
-        let fit = self.refit(&picks, &start.surface)?;
-        let Some(glows) = self.glows(&picks, &fit.surface)? else {
-            return self.assemble(&picks, fit, None, choice);
-        };
-        let faces = self.faces(&picks, &self.wall(fit.surface)?);
-        let corrected = apply(&picks, &faces, glows.share);
-        let mut fit = self.refit(&corrected, &fit.surface)?;
-        self.add_glow_uncertainty(&mut fit, &picks, &faces, &glows);
-        self.assemble(&corrected, fit, Some(glows), choice)
+        let (merged, start, choice) = self.pick_spots()?;
+        let first = self.refit(&merged, &start.surface)?;
+        let faces = self.faces(&merged, &self.wall(first.surface)?);
+        let glows = self.glows(&merged, &faces);
+        let share = glows.map_or(0.0, |glows| glows.share);
+        let mut picks = self.without_inner_glow(&merged, &faces, share);
+        let grain = self.add_grain(&mut picks);
+        let mut fit = self.refit(&picks, &first.surface)?;
+        if let (Some(glows), None) = (&glows, self.known) {
+            let more = self.without_inner_glow(&merged, &faces, share + glows.share_sigma);
+            self.add_uncertainty(&mut fit, &more);
+        }
+        self.assemble(&picks, fit, (grain, glows, choice))
     }
 
     /// Each view's spot on the wall, and a first fit.
@@ -210,7 +230,10 @@ impl Finder<'_> {
             })
         });
         let firsts: Vec<_> = firsts.collect();
-        let (start, choice) = shape::fit(&firsts, self.front, self.shape)?;
+        let (start, choice) = match self.known {
+            Some(known) => (self.hold_against(known, &firsts)?, None),
+            None => shape::fit(&firsts, self.front, self.shape)?,
+        };
         let limit = self.settings.outlier * start.scale.max(1e-6);
         let on_wall = |(view, list): (usize, &Vec<Candidate>)| {
             let off = |c: &Candidate| start.surface.signed_distance(place(view, c)).abs();
@@ -225,6 +248,45 @@ impl Finder<'_> {
         };
         let picks = candidates.iter().enumerate().filter_map(on_wall).collect();
         Ok((picks, start, choice))
+    }
+
+    /// Holds the points against a wall that is known beforehand.
+    fn hold_against(
+        &self,
+        known: Surface,
+        points: &[WeightedPoint<World>],
+    ) -> Result<SurfaceFit, VesselError> {
+        const FARTHEST: f64 = 5.0;
+        let fit = hold(points, known);
+        let mut off: Vec<f64> = fit.residuals.iter().copied().collect();
+        off.sort_by(f64::total_cmp);
+        let median = off[off.len() / 2];
+        if median.abs() > FARTHEST || fit.scale > FARTHEST {
+            return Err(VesselError::KnownWallMisses { median });
+        }
+        Ok(fit)
+    }
+
+    /// Estimates the grain of the laser's light and counts it into the picks' standard deviations.
+    fn add_grain(&self, picks: &mut [Pick]) -> f64 {
+        let normal = self.rig.epipolar_line().normal();
+        let off_line = |pick: &Pick| {
+            let spot = self.spot(pick.view, &pick.candidate);
+            OffLine {
+                along: pick.candidate.along,
+                off: pick.candidate.off_line,
+                variance: (normal.transpose() * spot.covariance_matrix() * normal).x,
+                width: spot.width_along(normal),
+            }
+        };
+        let grain = grain::estimate(&picks.iter().map(off_line).collect::<Vec<_>>());
+        for pick in picks {
+            let spot = self.spot(pick.view, &pick.candidate);
+            if let Some(sigma) = pick::sigma_along(self.rig, spot, grain) {
+                pick.candidate.sigma = sigma;
+            }
+        }
+        grain
     }
 
     fn spot(&self, view: usize, candidate: &Candidate) -> &Spot {
@@ -254,6 +316,9 @@ impl Finder<'_> {
 
     fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
         let points = self.points(self.rig, picks, start);
+        if let Some(known) = self.known {
+            return Ok(hold(&points, known));
+        }
         refine(&points, *start).ok_or(VesselError::Undetermined { shape: "wall" })
     }
 
@@ -274,35 +339,43 @@ impl Finder<'_> {
         picks.iter().map(one).collect()
     }
 
-    fn glows(&self, picks: &[Pick], surface: &Surface) -> Result<Option<Glows>, VesselError> {
-        let faces = self.faces(picks, &self.wall(*surface)?);
+    fn glows(&self, picks: &[Pick], faces: &[Option<Faces>]) -> Option<Glows> {
         if !self.settings.separate_glows {
-            return Ok(None);
+            return None;
         }
         let seen: Vec<(&Spot, Faces)> = picks
             .iter()
             .zip(faces)
-            .filter_map(|(pick, faces)| Some((self.spot(pick.view, &pick.candidate), faces?)))
+            .filter_map(|(pick, faces)| Some((self.spot(pick.view, &pick.candidate), (*faces)?)))
             .filter(|(spot, _)| !spot.saturated)
             .collect();
-        Ok(glow::estimate(&seen, self.thickness))
+        glow::estimate(&seen, self.thickness)
     }
 
-    /// An error of the glows' share moves all vessel points, and the wall with them.
-    fn add_glow_uncertainty(
-        &self,
-        fit: &mut SurfaceFit,
-        picks: &[Pick],
-        faces: &[Option<Faces>],
-        glows: &Glows,
-    ) {
-        let more = apply(picks, faces, glows.share + glows.share_sigma);
-        let moved = self.points(self.rig, &more, &fit.surface);
-        let shifts = moved
-            .iter()
-            .zip(&fit.residuals)
-            .map(|(p, before)| fit.surface.signed_distance(p.point) - before);
-        let shifts = DVector::from_iterator(moved.len(), shifts);
+    /// The picks with the inner glow's part taken out of the centroids.
+    fn without_inner_glow(&self, picks: &[Pick], faces: &[Option<Faces>], share: f64) -> Vec<Pick> {
+        let one = |(pick, faces): (&Pick, &Option<Faces>)| {
+            let mut pick = *pick;
+            if let Some(faces) = faces {
+                pick.pixel.u -= share * faces.offset.x;
+                pick.pixel.v -= share * faces.offset.y;
+            }
+            if let Some(on_beam) = pick::on_beam(self.rig, pick.pixel) {
+                pick.candidate.off_line = on_beam.off_line * self.rig.camera.mean_focal();
+            }
+            pick
+        };
+        picks.iter().zip(faces).map(one).collect()
+    }
+
+    /// An error that moves all vessel points to those of `moved` moves the wall with them.
+    fn add_uncertainty(&self, fit: &mut SurfaceFit, moved: &[Pick]) {
+        let points = self.points(self.rig, moved, &fit.surface);
+        let shift = |(p, before): (&WeightedPoint<World>, &f64)| {
+            fit.surface.signed_distance(p.point) - before
+        };
+        let shifts = points.iter().zip(&fit.residuals).map(shift);
+        let shifts = DVector::from_iterator(points.len(), shifts);
         if let Some(step) = fit.response(&shifts) {
             fit.covariance += &step * step.transpose();
         }
@@ -312,8 +385,7 @@ impl Finder<'_> {
         &self,
         picks: &[Pick],
         fit: SurfaceFit,
-        glows: Option<Glows>,
-        choice: Option<ShapeChoice>,
+        (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
         let mut points = vec![None; self.stations.len()];
         let places = self.points(self.rig, picks, &fit.surface);
@@ -334,31 +406,23 @@ impl Finder<'_> {
             wall,
             points,
             rms: fit.rms,
+            grain,
             glows,
             choice,
+            known: self.known.is_some(),
             views: picks.iter().map(|pick| pick.view).collect(),
             fit,
         })
     }
 }
 
-/// Takes the inner glow's part out of the centroids.
-fn apply(picks: &[Pick], faces: &[Option<Faces>], share: f64) -> Vec<Pick> {
-    let one = |(pick, faces): (&Pick, &Option<Faces>)| {
-        let mut pick = *pick;
-        if let Some(faces) = faces {
-            pick.pixel.u -= share * faces.offset.x;
-            pick.pixel.v -= share * faces.offset.y;
-        }
-        pick
-    };
-    picks.iter().zip(faces).map(one).collect()
-}
-
 impl VesselFit {
     /// The wall that the same spots, with the same weights, would give if the range finder were `rig`:
     /// how an error of calibration passes into the wall, to first order.
     pub fn refitted(&self, rig: &Rig, stations: &[Station]) -> Option<Wall> {
+        if self.known {
+            return Some(self.wall.clone());
+        }
         let mut shifts = DVector::zeros(self.views.len());
         for (row, view) in self.views.iter().enumerate() {
             let Some(point) = &self.points[*view] else {

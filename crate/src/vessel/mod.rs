@@ -3,6 +3,7 @@
 
 mod find;
 mod glow;
+mod grain;
 mod pick;
 mod refine;
 mod shape;

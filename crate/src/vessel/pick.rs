@@ -40,8 +40,8 @@ fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
         spot: index,
         point: here.point,
         along: here.along,
-        sigma: sigma_along(rig, spot)?,
-        off_line: here.off_line * 0.5 * (rig.camera.focal[0] + rig.camera.focal[1]),
+        sigma: sigma_along(rig, spot, 0.0)?,
+        off_line: here.off_line * rig.camera.mean_focal(),
     })
 }
 
@@ -51,8 +51,9 @@ pub(super) fn on_beam(rig: &Rig, pixel: Pixel) -> Option<OnBeam> {
         .triangulate(rig.camera.slope(pixel).ok()?)
 }
 
-/// First-order propagation of the centroid's covariance to the place along the beam.
-fn sigma_along(rig: &Rig, spot: &Spot) -> Option<f64> {
+/// First-order propagation of the centroid's covariance, with the grain of laser light, to the place
+/// along the beam.
+pub(super) fn sigma_along(rig: &Rig, spot: &Spot, grain: f64) -> Option<f64> {
     const H: f64 = 0.01;
     let Pixel { u, v } = spot.pixel();
     let along = |u, v| on_beam(rig, Pixel::new(u, v)).map(|p| p.along);
@@ -61,7 +62,7 @@ fn sigma_along(rig: &Rig, spot: &Spot) -> Option<f64> {
         (along(u, v + H)? - along(u, v - H)?) / (2.0 * H),
     );
     Some(
-        (slope.transpose() * spot.covariance_matrix() * slope)
+        (slope.transpose() * spot.covariance_with(grain) * slope)
             .x
             .sqrt(),
     )

@@ -55,6 +55,28 @@ pub(super) fn refine(points: &[WeightedPoint<World>], start: Surface) -> Option<
     summarise(points, surface)
 }
 
+/// A surface that is known: the points are held against it, and it does not move.
+pub(super) fn hold(points: &[WeightedPoint<World>], surface: Surface) -> SurfaceFit {
+    let jacobian = DMatrix::zeros(points.len(), surface.freedom());
+    let distances = distances(points, &surface);
+    let weights = biweights(points, &surface);
+    SurfaceFit {
+        surface,
+        rms: supported_rms(&distances, &weights),
+        scale: robust_scale(distances.as_slice()),
+        covariance: DMatrix::zeros(surface.freedom(), surface.freedom()),
+        weights,
+        residuals: distances,
+        jacobian,
+    }
+}
+
+fn supported_rms(distances: &DVector<f64>, weights: &[f64]) -> f64 {
+    let supporting = distances.iter().zip(weights).filter(|(_, w)| **w > 0.0);
+    let (count, squares) = supporting.fold((0.0, 0.0), |(n, s), (d, _)| (n + 1.0, s + d * d));
+    (squares / f64::max(count, 1.0)).sqrt()
+}
+
 impl SurfaceFit {
     /// The step of the parameters that follows points which move across the surface by `shifts` (mm):
     /// the weighted fit, linearised.
@@ -157,10 +179,9 @@ fn summarise(points: &[WeightedPoint<World>], surface: Surface) -> Option<Surfac
     let jacobian = jacobian(points, &surface);
     let distances = distances(points, &surface);
     let supporting: Vec<usize> = (0..points.len()).filter(|i| weights[*i] > 0.0).collect();
-    let (mut squares, mut chi) = (0.0, 0.0);
+    let mut chi = 0.0;
     for &i in &supporting {
         let z = distances[i] / points[i].sigma;
-        squares += distances[i] * distances[i];
         chi += z * z;
     }
     let freedom = supporting.len().saturating_sub(surface.freedom()).max(1) as f64;
@@ -179,7 +200,7 @@ fn summarise(points: &[WeightedPoint<World>], surface: Surface) -> Option<Surfac
     Some(SurfaceFit {
         surface,
         covariance: inverse(information)? * (chi / freedom).max(1.0),
-        rms: (squares / supporting.len().max(1) as f64).sqrt(),
+        rms: supported_rms(&distances, &weights),
         scale: robust_scale(distances.as_slice()),
         weights,
         residuals: distances,
