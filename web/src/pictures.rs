@@ -261,10 +261,15 @@ fn mark(spot: &SpotResult, unit: f64) -> impl IntoView + use<> {
             ),
         ),
     };
+    // The wall's name stands to the left above, the object's to the right below: they are often close.
+    let (anchor, x, y) = match spot.role {
+        SpotRole::Vessel => ("end", u - 0.9 * r, v - 1.1 * r),
+        _ => ("start", u + 0.9 * r, v + 2.4 * r),
+    };
     view! {
         <g class=class>
             <path d=shape />
-            <text x=u + 1.35 * r y=v - 0.8 * r font-size=4.2 * unit>
+            <text x=x y=y text-anchor=anchor font-size=4.6 * unit>
                 {role_name(spot.role)}
             </text>
         </g>

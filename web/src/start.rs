@@ -29,7 +29,7 @@ pub(crate) fn StartScreen() -> impl IntoView {
     view! {
         <div class="start">
             <div class="purpose">
-                <h1>"Measure objects in 3-D through glass and liquid"</h1>
+                <h1>"Measure objects in 3\u{2011}D through glass and liquid"</h1>
                 <p>
                     "Snellius takes pictures of a laser's spots on a vessel and on what stands in it, bends \
                      every ray of light as glass and liquid do, and gives the object's points in millimetres."

@@ -56,7 +56,14 @@ impl Content {
         object.chain(wall).collect()
     }
 
-    /// A camera where the rig stands.
+    /// As [`Content::extent`], with the rig's stations.
+    pub(super) fn whole_extent(&self) -> Vec<Vec3> {
+        let stations = self.facts().into_iter().flat_map(|f| f.stations.iter());
+        let rig = stations.flat_map(|s| [vector(s.camera), vector(s.laser)]);
+        self.extent().into_iter().chain(rig).collect()
+    }
+
+    /// A camera beside the rig.
     pub(super) fn front(&self) -> Orbit {
         match &self.measured {
             Some((facts, _)) => Orbit::facing(up(facts), self.front_direction()),

@@ -21,7 +21,7 @@ use web_sys::{HtmlCanvasElement, KeyboardEvent, MediaQueryList, ResizeObserver};
 
 use self::content::Content;
 use self::gestures::Gestures;
-use self::stage::Stage;
+use self::stage::{Stage, Subject};
 use crate::colours::wants_little_motion;
 use crate::legend::Legend;
 use crate::state::{ColourBy, Workbench};
@@ -53,8 +53,10 @@ pub(crate) fn Scene() -> impl IntoView {
             stage.close();
         }
     });
-    let fit = move || stage.with_value(|stage| stage.iter().for_each(Stage::fit));
-    fit_with_key(fit);
+    let fit = move |subject| {
+        stage.with_value(|stage| stage.iter().for_each(|stage| stage.fit(subject)));
+    };
+    fit_with_key(move || fit(Subject::Measured));
 
     view! {
         <section class="scene panel" aria-label="Scene in 3-D">
@@ -84,7 +86,7 @@ pub(crate) fn Scene() -> impl IntoView {
 }
 
 #[component]
-fn Toolbar(fit: impl Fn() + Send + 'static) -> impl IntoView {
+fn Toolbar(fit: impl Fn(Subject) + Copy + Send + 'static) -> impl IntoView {
     let workbench = Workbench::get();
     let choose_colours = move |event| {
         workbench
@@ -126,10 +128,25 @@ fn Toolbar(fit: impl Fn() + Send + 'static) -> impl IntoView {
                     }}
                 </span>
             </label>
-            <button type="button" class="quiet" title="Fit everything into the picture (F)" on:click=move |_| fit()>
-                "Fit "
-                <kbd>"F"</kbd>
-            </button>
+            <div class="views-of">
+                <button
+                    type="button"
+                    class="quiet"
+                    title="Move the camera until the wall and the object fill the picture (F)"
+                    on:click=move |_| fit(Subject::Measured)
+                >
+                    "Fit "
+                    <kbd>"F"</kbd>
+                </button>
+                <button
+                    type="button"
+                    class="quiet"
+                    title="Move the camera until the rig's stations are in the picture too"
+                    on:click=move |_| fit(Subject::WholeSetUp)
+                >
+                    "Whole set-up"
+                </button>
+            </div>
         </div>
     }
 }

@@ -29,13 +29,14 @@ impl Default for Orbit {
 }
 
 impl Orbit {
-    /// A camera that stands where the rig does, a little to the side and above.
+    /// A camera on the rig's side of the wall, to the right and a little above: light runs from left to
+    /// right through the picture.
     pub(super) fn facing(up: Vec3, front: Vec3) -> Self {
         Self {
             target: vec3(0.0, 0.0, 0.0),
             distance: 500.0,
-            azimuth: 0.5,
-            elevation: 0.42,
+            azimuth: 0.7,
+            elevation: 0.36,
             up,
             front,
         }

@@ -42,9 +42,20 @@ struct Inner {
     refraction: Cell<f32>,
     /// What the refraction is on its way to.
     wanted_refraction: Cell<f32>,
+    /// What the picture was last fitted to, until a hand moves the camera.
+    fitted: Cell<Option<Subject>>,
     frame_asked_for: Cell<bool>,
     last_frame: Cell<f64>,
     on_frame: RefCell<Option<Closure<dyn FnMut(f64)>>>,
+}
+
+/// What can fill the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Subject {
+    /// The object and the wall before it.
+    Measured,
+    /// These and the rig.
+    WholeSetUp,
 }
 
 /// What stands on the stage, in graphics memory.
@@ -82,6 +93,7 @@ impl Stage {
             orbit: Cell::new(Orbit::default()),
             refraction: Cell::new(1.0),
             wanted_refraction: Cell::new(1.0),
+            fitted: Cell::new(None),
             frame_asked_for: Cell::new(false),
             last_frame: Cell::new(0.0),
             on_frame: RefCell::new(None),
@@ -128,26 +140,35 @@ impl Stage {
         self.draw_soon();
     }
 
-    /// Moves the camera.
+    /// Moves the camera by hand.
     pub(super) fn turn(&self, change: impl FnOnce(&mut Orbit)) {
+        self.0.fitted.set(None);
         let mut orbit = self.0.orbit.get();
         change(&mut orbit);
         self.0.orbit.set(orbit);
         self.draw_soon();
     }
 
-    /// Looks at everything from where the rig stands.
+    /// Looks from beside the rig at what was measured.
     pub(super) fn face_front(&self) {
         let front = self.0.set.borrow().content.front();
         self.0.orbit.set(front);
-        self.fit();
+        self.fit(Subject::Measured);
     }
 
-    /// Moves the camera until everything measured fills the picture.
-    pub(super) fn fit(&self) {
-        let everything = self.0.set.borrow().content.extent();
+    /// Moves the camera until the subject fills the picture; as long as no hand moves the camera, it
+    /// does so in a picture of another size too.
+    pub(super) fn fit(&self, subject: Subject) {
+        let places = {
+            let content = &self.0.set.borrow().content;
+            match subject {
+                Subject::Measured => content.extent(),
+                Subject::WholeSetUp => content.whole_extent(),
+            }
+        };
         let aspect = self.aspect();
-        self.turn(|orbit| orbit.fit(&everything, aspect));
+        self.turn(|orbit| orbit.fit(&places, aspect));
+        self.0.fitted.set(Some(subject));
     }
 
     /// The view whose object point is nearest to a place of the canvas (CSS px), if one is near.
@@ -239,6 +260,9 @@ impl Stage {
         if canvas.width() != width || canvas.height() != height {
             canvas.set_width(width);
             canvas.set_height(height);
+            if let Some(subject) = self.0.fitted.get() {
+                self.fit(subject);
+            }
         }
     }
 

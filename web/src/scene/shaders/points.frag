@@ -21,5 +21,5 @@ void main() {
     // A little light from above left: a disc reads as a ball.
     vec2 tilt = (gl_PointCoord - vec2(0.36, 0.32)) * 2.0;
     float light = 1.08 - 0.22 * dot(tilt, tilt);
-    shown = vec4(mix(body.rgb * light, rim, 0.7 * at_rim), body.a * cover);
+    shown = vec4(mix(body.rgb * light, rim, 0.5 * at_rim), body.a * cover);
 }
