@@ -35,7 +35,7 @@ const ZOOMS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 pub(crate) fn Pictures() -> impl IntoView {
     let workbench = Workbench::get();
     let look = RwSignal::new(Look {
-        zoom: 1.0,
+        zoom: 2.0,
         centre: None,
     });
     Effect::new(move |_| {
@@ -220,21 +220,21 @@ fn Overlay(sheet: Sheet) -> impl IntoView {
             .collect::<Vec<_>>()
             .join(" ")
     };
-    // Marks keep their size whatever the zoom.
-    let unit = move || sheet.window.get().width / 100.0;
     view! {
         <svg class="overlay" viewBox=view_box preserveAspectRatio="none" aria-hidden="true">
             <polyline class="epipolar" points=line />
             {move || {
-                let unit = unit();
-                sheet.spots.get().iter().map(|spot| mark(spot, unit)).collect_view()
+                let window = sheet.window.get();
+                sheet.spots.get().iter().map(|spot| mark(spot, window)).collect_view()
             }}
         </svg>
     }
 }
 
-fn mark(spot: &SpotResult, unit: f64) -> impl IntoView + use<> {
+fn mark(spot: &SpotResult, window: Window) -> impl IntoView + use<> {
     let [u, v] = spot.pixel;
+    // Marks keep their size whatever the zoom.
+    let unit = window.width / 100.0;
     let r = 2.2 * unit;
     let (class, shape) = match spot.role {
         SpotRole::Vessel => (
@@ -261,11 +261,7 @@ fn mark(spot: &SpotResult, unit: f64) -> impl IntoView + use<> {
             ),
         ),
     };
-    // The wall's name stands to the left above, the object's to the right below: they are often close.
-    let (anchor, x, y) = match spot.role {
-        SpotRole::Vessel => ("end", u - 0.9 * r, v - 1.1 * r),
-        _ => ("start", u + 0.9 * r, v + 2.4 * r),
-    };
+    let (anchor, x, y) = name_place(spot, r, window);
     view! {
         <g class=class>
             <path d=shape />
@@ -273,6 +269,26 @@ fn mark(spot: &SpotResult, unit: f64) -> impl IntoView + use<> {
                 {role_name(spot.role)}
             </text>
         </g>
+    }
+}
+
+/// The wall's name stands to the left above its mark, the others' to the right below: the spots are often
+/// close. At the picture's edge a name turns inwards.
+fn name_place(spot: &SpotResult, r: f64, window: Window) -> (&'static str, f64, f64) {
+    const ROOM: f64 = 0.2;
+    let [u, v] = spot.pixel;
+    let across = (u - window.left) / window.width;
+    let is_wall = spot.role == SpotRole::Vessel;
+    let leftwards = if is_wall {
+        across > ROOM
+    } else {
+        across > 1.0 - ROOM
+    };
+    let y = if is_wall { v - 1.1 * r } else { v + 2.4 * r };
+    if leftwards {
+        ("end", u - 0.9 * r, y)
+    } else {
+        ("start", u + 0.9 * r, y)
     }
 }
 

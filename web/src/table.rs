@@ -98,8 +98,8 @@ fn heading(
             *order = Order {
                 column,
                 descending: order.column == column && !order.descending,
-            }
-        })
+            };
+        });
     };
     view! {
         <th scope="col" aria-sort=state class:number=is_number(column)>

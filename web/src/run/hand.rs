@@ -18,17 +18,17 @@ use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
 type Answered = Result<Reply, Problem>;
+type Listener<E> = Closure<dyn FnMut(E)>;
 
 /// The page's side of one worker.
 pub(crate) struct Hand {
     worker: Worker,
     open_questions: OpenQuestions,
     last_number: Cell<u32>,
-    /// Kept as long as the worker may call them.
-    _listeners: (
-        Closure<dyn FnMut(MessageEvent)>,
-        Closure<dyn FnMut(ErrorEvent)>,
-    ),
+    /// Kept as long as the worker may call it.
+    _on_message: Listener<MessageEvent>,
+    /// Likewise.
+    _on_error: Listener<ErrorEvent>,
 }
 
 impl Drop for Hand {
@@ -69,7 +69,8 @@ impl Hand {
             worker,
             open_questions,
             last_number: Cell::new(READY),
-            _listeners: (on_message, on_error),
+            _on_message: on_message,
+            _on_error: on_error,
         })
     }
 

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use three_d::{InnerSpace, Vec2};
-use web_sys::{HtmlCanvasElement, PointerEvent, WheelEvent};
+use web_sys::{HtmlCanvasElement, KeyboardEvent, PointerEvent, WheelEvent};
 
 use super::stage::Stage;
 
@@ -88,6 +88,31 @@ impl Gestures {
         let at = Vec2::new(event.offset_x() as f32, event.offset_y() as f32);
         stage.turn(|orbit| orbit.zoom((turned * 0.0015).exp(), at - picture * 0.5, picture));
     }
+}
+
+/// The same by keys, for the canvas in focus.
+pub(super) fn keys(stage: &Stage, event: &KeyboardEvent) {
+    const STEP: f32 = 24.0;
+    const RATIO: f32 = 0.85;
+    let picture = stage.css_size();
+    let middle = Vec2::new(0.0, 0.0);
+    let drag = match event.key().as_str() {
+        "ArrowLeft" => Vec2::new(-STEP, 0.0),
+        "ArrowRight" => Vec2::new(STEP, 0.0),
+        "ArrowUp" => Vec2::new(0.0, -STEP),
+        "ArrowDown" => Vec2::new(0.0, STEP),
+        "+" | "=" => return stage.turn(|orbit| orbit.zoom(RATIO, middle, picture)),
+        "-" => return stage.turn(|orbit| orbit.zoom(1.0 / RATIO, middle, picture)),
+        _ => return,
+    };
+    event.prevent_default();
+    stage.turn(|orbit| {
+        if event.shift_key() {
+            orbit.pan(drag, picture);
+        } else {
+            orbit.turn(drag, picture);
+        }
+    });
 }
 
 fn place(event: &PointerEvent) -> Vec2 {

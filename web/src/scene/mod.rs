@@ -20,7 +20,7 @@ use wasm_bindgen::prelude::*;
 use web_sys::{HtmlCanvasElement, KeyboardEvent, MediaQueryList, ResizeObserver};
 
 use self::content::Content;
-use self::gestures::Gestures;
+use self::gestures::{Gestures, keys};
 use self::stage::{Stage, Subject};
 use crate::colours::wants_little_motion;
 use crate::legend::Legend;
@@ -65,10 +65,11 @@ pub(crate) fn Scene() -> impl IntoView {
                 <canvas
                     node_ref=canvas
                     data-testid="scene"
-                    role="img"
+                    role="application"
                     tabindex="0"
-                    aria-label="The vessel's wall, the rig's stations and the object's points. \
-                                Drag to turn, Shift and drag to shift, wheel to come nearer, F to fit."
+                    aria-label="Scene in 3-D: the vessel's wall, the rig's stations and the object's points. \
+                                Arrow keys turn, Shift and arrow keys shift, plus and minus come nearer \
+                                and go away, F fits."
                 ></canvas>
                 <div class="scene-labels" node_ref=labels aria-hidden="true"></div>
                 <Legend />
@@ -211,10 +212,9 @@ fn attend(canvas: &HtmlCanvasElement, stage: &Stage, workbench: Workbench) {
     on(
         "pointerup",
         Box::new(move |event| {
-            if let Some(place) = hand.up(event.unchecked_ref()) {
-                if let Some(view) = on_stage.view_at(place) {
-                    workbench.choose(Some(view));
-                }
+            let place = hand.up(event.unchecked_ref());
+            if let Some(view) = place.and_then(|place| on_stage.view_at(place)) {
+                workbench.choose(Some(view));
             }
         }),
     );
@@ -227,6 +227,11 @@ fn attend(canvas: &HtmlCanvasElement, stage: &Stage, workbench: Workbench) {
     on(
         "wheel",
         Box::new(move |event| gestures.wheel(&on_stage, event.unchecked_ref())),
+    );
+    let on_stage = stage.clone();
+    on(
+        "keydown",
+        Box::new(move |event| keys(&on_stage, event.unchecked_ref())),
     );
     on("contextmenu", Box::new(|event| event.prevent_default()));
     watch_size(canvas, stage);

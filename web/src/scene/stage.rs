@@ -7,7 +7,10 @@ use std::sync::Arc;
 
 use three_d::{ClearState, Context, CoreError, RenderTarget, Vec2, Vec3, Viewport};
 use wasm_bindgen::prelude::*;
-use web_sys::{HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes};
+use web_sys::{
+    HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
+    WebglLoseContext,
+};
 
 use super::content::Content;
 use super::faces::Faces;
@@ -28,6 +31,8 @@ impl From<CoreError> for NoStage {
     }
 }
 
+type FrameListener = Closure<dyn FnMut(f64)>;
+
 /// A handle on the stage; copies mean the same one.
 #[derive(Clone)]
 pub(super) struct Stage(Rc<Inner>);
@@ -46,7 +51,7 @@ struct Inner {
     fitted: Cell<Option<Subject>>,
     frame_asked_for: Cell<bool>,
     last_frame: Cell<f64>,
-    on_frame: RefCell<Option<Closure<dyn FnMut(f64)>>>,
+    on_frame: RefCell<Option<FrameListener>>,
 }
 
 /// What can fill the picture.
@@ -104,9 +109,16 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Lets go of the graphics memory and of itself.
+    /// Lets go of itself and of the graphics context: a browser gives but a few of them at a time.
     pub(super) fn close(&self) {
         self.0.on_frame.replace(None);
+        let graphics = self.0.canvas.get_context("webgl2").ok().flatten();
+        let loss = graphics
+            .and_then(|context| context.dyn_into::<WebGl2RenderingContext>().ok())
+            .and_then(|context| context.get_extension("WEBGL_lose_context").ok().flatten());
+        if let Some(loss) = loss {
+            loss.unchecked_into::<WebglLoseContext>().lose_context();
+        }
     }
 
     /// Puts other things on the stage.
