@@ -10,7 +10,10 @@ mod common;
 use common::{Random, assert_close, direction, face, lens, off_line, parallel_layers, ray};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use snellius::geometry::{Direction, Plane, Point, Ray, World};
-use snellius::optics::{AimError, Interface, Stack, Surface, TraceProblem, aim_through, refract};
+use snellius::optics::{
+    AimError, Interface, Media, Stack, Surface, TraceProblem, aim_through, refract,
+};
+use snellius::scan::InsideMedium;
 use snellius::vessel::Wall;
 
 /// Five media (air, glass, water, plastic, oil) parted by four faces, each tilted by up to 5 degrees.
@@ -26,9 +29,15 @@ fn tilted_stack(random: &mut Random) -> Stack {
     }
 }
 
+fn plane_of(interface: &Interface) -> Plane<World> {
+    match interface.surface {
+        Surface::Plane(plane) => plane,
+        round => panic!("{round:?} is not flat"),
+    }
+}
+
 fn normal_of(interface: &Interface) -> Direction<World> {
-    let Surface::Plane(plane) = interface.surface;
-    plane.normal
+    plane_of(interface).normal
 }
 
 fn eye(random: &mut Random) -> Point<World> {
@@ -199,17 +208,18 @@ fn where_all_media_are_the_same_light_goes_straight() {
 #[test]
 fn a_wall_is_two_planes_a_thickness_apart() {
     let mut random = Random::seeded(5);
+    let media = Media {
+        outside: 1.0,
+        wall: 1.5,
+        liquid: 1.33,
+    };
     for _ in 0..100 {
         let outer = Plane::new(
             Point::from_coords(random.vector(20.0)),
             -random.forward::<World>(30.0),
         );
         let thickness = random.between(0.5, 15.0);
-        let wall = Wall {
-            outer: Surface::Plane(outer),
-            thickness,
-            covariance: DMatrix::zeros(3, 3),
-        };
+        let wall = Wall::exact(Surface::Plane(outer), thickness, None);
         let inner = outer.point.coords - outer.normal.vector() * thickness;
         let planes = Stack {
             outside: 1.0,
@@ -219,10 +229,8 @@ fn a_wall_is_two_planes_a_thickness_apart() {
             ],
         };
         let light = Ray::new(eye(&mut random), random.forward(30.0));
-        assert_eq!(
-            wall.stack(1.0, 1.5, 1.33).trace(&light),
-            planes.trace(&light)
-        );
+        let slab = wall.stack(&media, InsideMedium::Liquid).unwrap();
+        assert_eq!(slab.trace(&light), planes.trace(&light));
     }
 }
 
@@ -251,7 +259,7 @@ fn reversed(stack: &Stack) -> Stack {
         .zip(&before)
         .rev()
         .map(|(face, index)| {
-            let Surface::Plane(plane) = face.surface;
+            let plane = plane_of(face);
             Interface {
                 surface: Surface::Plane(Plane::new(plane.point, -plane.normal)),
                 index_behind: *index,
@@ -328,7 +336,7 @@ fn quickest_crossings(stack: &Stack, from: Point<World>, to: Point<World>) -> Ve
         .interfaces
         .iter()
         .map(|face| {
-            let Surface::Plane(plane) = face.surface;
+            let plane = plane_of(face);
             plane.point.coords
         })
         .collect();

@@ -7,13 +7,15 @@
 
 mod common;
 
+use common::pictures::{Light, pair};
 use common::{Random, assert_close, lens, ray};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use snellius::camera::{Distortion, Intrinsics, Slope};
 use snellius::geometry::{Camera, Flange, Point, Pose, Ray, World, closest_approach};
+use snellius::optics::Media;
 use snellius::rig::Rig;
-use snellius::scan::{InsideMedium, Station};
-use snellius::spots::{Spot, Spots};
+use snellius::scan::{Manifest, Scan};
+use snellius::spots::{SpotSettings, Spots, find_spots};
 use snellius::vessel::{VesselSettings, find_vessel};
 
 fn rig(beam: Ray<Camera>) -> Rig {
@@ -125,19 +127,6 @@ fn a_sight_beside_the_line_gives_the_point_of_its_foot() {
     }
 }
 
-fn spot_at(rig: &Rig, point: Point<Camera>) -> Spot {
-    let pixel = rig.camera.project(point).unwrap();
-    Spot {
-        u: pixel.u,
-        v: pixel.v,
-        covariance: [0.01, 0.0, 0.01],
-        brightness: 500.0,
-        peak: 80.0,
-        area: 20,
-        saturated: false,
-    }
-}
-
 /// The vessel's spot is the first along the line from the laser's side: the left-most with the laser on
 /// the left (section II-C of the paper), and so on around.
 #[test]
@@ -149,51 +138,75 @@ fn the_vessels_spot_is_the_first_from_the_lasers_side() {
         ([0.0, 160.0, 0.0], Vector3::new(0.0, 1.0, 0.0)),
     ] {
         let inwards = Vector3::from(origin) * -0.336 / 160.0 + Vector3::new(0.0, 0.0, 0.942);
-        let rig = rig(ray(origin, inwards));
-        // Nine stations before the wall z = 400; behind it something bright on the line, listed first.
-        let mut stations = Vec::new();
-        let mut spots = Vec::new();
-        for k in 0..9 {
-            let shift = Vector3::new(f64::from(k % 3), f64::from(k / 3), 0.0) * 30.0;
-            let pose = Pose::from_parts(nalgebra::UnitQuaternion::identity(), shift);
-            stations.push(Station {
-                world_from_flange: pose,
-                world_from_camera: rig.station(&pose),
-                inside: InsideMedium::Liquid,
-            });
-            let at_depth = |z: f64| {
-                rig.beam
-                    .at((z - rig.beam.origin.coords.z) / rig.beam.direction.vector().z)
-            };
-            let (wall, beyond) = (
-                spot_at(&rig, at_depth(400.0)),
-                spot_at(&rig, at_depth(450.0 + f64::from(k))),
-            );
-            let towards_laser = (wall.u - beyond.u) * side.x + (wall.v - beyond.v) * side.y;
-            assert!(
-                towards_laser > 5.0,
-                "the wall's spot is the one nearer to the laser's side"
-            );
-            spots.push(Spots {
-                spots: vec![
-                    Spot {
-                        brightness: 5000.0,
-                        ..beyond
-                    },
-                    wall,
-                ],
-                noise: 1.0,
-            });
-        }
-        let vessel = find_vessel(&rig, &stations, &spots, 2.1, &VesselSettings::default()).unwrap();
-        for (point, station) in vessel.points.iter().zip(&stations) {
+        let scan = nine_stations(origin, inwards.into());
+        let beam = scan.rig.beam;
+        let seen_at = |z: f64| {
+            let along = (z - beam.origin.coords.z) / beam.direction.vector().z;
+            scan.rig.camera.project(beam.at(along)).unwrap()
+        };
+        // Behind the wall z = 400 something brighter, on the line too.
+        let spots: Vec<Spots> = (0..9)
+            .map(|k| {
+                let (wall, beyond) = (seen_at(400.0), seen_at(450.0 + f64::from(k)));
+                let towards_laser = (wall.u - beyond.u) * side.x + (wall.v - beyond.v) * side.y;
+                assert!(
+                    towards_laser > 20.0,
+                    "the wall's spot is nearer to the laser's side"
+                );
+                let dark = Light::of(800, 600, |_, _| 1000.0);
+                let lit = dark
+                    .clone()
+                    .with_spot(wall, 4e3, 1.5)
+                    .with_spot(beyond, 2e4, 1.5);
+                let pictures = pair(lit.still(u16::MAX), dark.still(u16::MAX));
+                find_spots(&pictures, &SpotSettings::default())
+            })
+            .collect();
+        let settings = VesselSettings {
+            separate_glows: false,
+            ..VesselSettings::default()
+        };
+        let media = Media {
+            outside: 1.0,
+            wall: 1.5,
+            liquid: 1.33,
+        };
+        let vessel = find_vessel(&scan, &spots, &media, &settings).unwrap();
+        for (point, station) in vessel.points.iter().zip(&scan.stations) {
             let point = point.expect("a vessel point in every view");
-            assert_eq!(point.spot, 1, "laser at {origin:?}");
+            assert!(
+                point.pixel.distance(seen_at(400.0)) < 0.01,
+                "laser at {origin:?}"
+            );
             let in_camera = station.world_from_camera.inverse().point(point.point);
-            assert_close(in_camera.coords.z, 400.0, 1e-8);
-            assert_close(point.off_line, 0.0, 1e-8);
+            assert_close(in_camera.coords.z, 400.0, 0.05);
+            assert_close(point.off_line, 0.0, 0.01);
         }
     }
+}
+
+/// A scan by a level rig that stands in three rows of three.
+fn nine_stations(origin: [f64; 3], direction: [f64; 3]) -> Scan {
+    let pose =
+        |x: f64, y: f64| serde_json::json!({ "rotation": [1, 0, 0, 0], "translation": [x, y, 0] });
+    let views: Vec<_> = (0..9)
+        .map(|k| {
+            let at = pose(30.0 * f64::from(k % 3), 30.0 * f64::from(k / 3));
+            serde_json::json!({ "id": k.to_string(), "on": "on.png", "world_from_flange": at })
+        })
+        .collect();
+    let manifest = serde_json::json!({
+        "format": "refractive-scan", "version": 1, "length_unit": "mm",
+        "camera": { "model": "opencv", "width": 800, "height": 600,
+                    "fx": 1102.5, "fy": 1101.8, "cx": 403.2, "cy": 296.4,
+                    "distortion": [-0.112, 0.061, 0.0006, -0.0004, 0.0] },
+        "laser": { "kind": "spot", "origin": origin, "direction": direction },
+        "flange_from_camera": pose(0.0, 0.0),
+        "vessel": { "shape": "plane", "wall_thickness": 2.1 },
+        "media": { "outside": 1.0, "wall": 1.5, "inside": 1.33 },
+        "views": views,
+    });
+    Scan::new(Manifest::from_json(manifest.to_string().as_bytes()).unwrap()).unwrap()
 }
 
 fn isometry<A: snellius::geometry::Frame, B: snellius::geometry::Frame>(

@@ -176,7 +176,8 @@ fn clippy() -> Result<Count> {
 }
 
 fn native_tests(rest: &[OsString]) -> Result<Count> {
-    let packages = "test --workspace --exclude snellius-web --exclude snellius-tests";
+    let packages =
+        "test --no-fail-fast --workspace --exclude snellius-web --exclude snellius-tests";
     run_tests(cargo(packages.split(' ')).args(rest))
 }
 
@@ -252,7 +253,7 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
         companion.display()
     );
 
-    let mut tests: Command = cargo(["test", "--package", "snellius-tests"]);
+    let mut tests: Command = cargo(["test", "--no-fail-fast", "--package", "snellius-tests"]);
     tests
         .args(rest)
         .env("SNELLIUS_DIST", dist)

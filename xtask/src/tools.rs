@@ -40,7 +40,7 @@ impl Tools {
             package: "trunk",
             program: "trunk",
             version: pins.trunk,
-            minutes: 3,
+            minutes: 4,
         };
         Ok(Self {
             trunk: trunk.ensure()?,
@@ -70,7 +70,7 @@ fn wasm_bindgen(version: String) -> Tool {
         package: "wasm-bindgen-cli",
         program: "wasm-bindgen",
         version,
-        minutes: 2,
+        minutes: 1,
     }
 }
 
@@ -124,7 +124,7 @@ impl Tool {
             minutes,
             ..
         } = self;
-        println!("building {package} {version}, once, about {minutes} minutes on two cores");
+        println!("building {package} {version}, once, about {minutes} min on two cores");
         let start = Instant::now();
         let home = self.home()?;
         let scratch = cache()?.join("build").join(format!("{package}-{version}"));

@@ -53,7 +53,8 @@ impl Distortion {
                 // Past a fold there are solutions too, but they are other rays'.
                 return self.rises_up_to(ideal).then_some(ideal);
             }
-            if !(ideal.norm_squared() < 100.0) {
+            let far = ideal.norm_squared();
+            if far.is_nan() || far > 100.0 {
                 return None;
             }
         }

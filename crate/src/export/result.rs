@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scan::LengthUnit;
+use crate::scan::{LengthUnit, VesselShape};
 
 /// Generates a struct of the result: public, serialisable, with a schema.
 macro_rules! result {
@@ -156,6 +156,32 @@ result! {
         pub rms: f64,
         /// How many vessel points carry it.
         pub points: usize,
+        /// What the two glows of the wall say.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub glow: Option<GlowResult>,
+        /// What `auto` decided between.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub choice: Option<ShapeChoiceResult>,
+    }
+
+    /// What the two glows of the wall say.
+    pub struct GlowResult {
+        /// The inner face's share of the light of a vessel spot.
+        pub inner_share: f64,
+        /// One standard deviation of it.
+        pub inner_share_sigma: f64,
+        /// The wall's thickness that the glows suggest by themselves, mm; `null` where they tell nothing.
+        pub thickness: Option<f64>,
+    }
+
+    /// What `auto` decided between.
+    pub struct ShapeChoiceResult {
+        /// The shape that was chosen.
+        pub chosen: VesselShape,
+        /// The next best.
+        pub runner_up: VesselShape,
+        /// By how much the chosen one's information criterion is lower; above 10 the matter is settled.
+        pub margin: f64,
     }
 
     /// A view.

@@ -54,8 +54,7 @@ pub fn closest_approach<F: Frame>(
     let (d1, d2) = (first.direction.vector(), second.direction.vector());
     let cross = d1.cross(&d2);
     let sine_squared = cross.norm_squared();
-    // Written so that a NaN counts as parallel too.
-    if !(sine_squared > SMALLEST_SINE * SMALLEST_SINE) {
+    if sine_squared.is_nan() || sine_squared <= SMALLEST_SINE * SMALLEST_SINE {
         return Err(ParallelRays);
     }
     let between = second.origin - first.origin;

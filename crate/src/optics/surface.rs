@@ -77,7 +77,7 @@ impl Surface {
     pub fn normal_at(&self, point: Point<World>) -> Option<Direction<World>> {
         match self {
             Self::Plane(plane) => Some(plane.normal),
-            Self::Cylinder(cylinder) => Direction::new(cylinder.from_axis(point)).ok(),
+            Self::Cylinder(cylinder) => Direction::new(cylinder.away_from_axis(point)).ok(),
             Self::Sphere(sphere) => Direction::new(point - sphere.centre).ok(),
         }
     }
@@ -103,7 +103,7 @@ impl Surface {
     pub fn signed_distance(&self, point: Point<World>) -> f64 {
         match self {
             Self::Plane(plane) => plane.signed_distance(point),
-            Self::Cylinder(cylinder) => cylinder.from_axis(point).norm() - cylinder.radius,
+            Self::Cylinder(cylinder) => cylinder.away_from_axis(point).norm() - cylinder.radius,
             Self::Sphere(sphere) => (point - sphere.centre).norm() - sphere.radius,
         }
     }
@@ -148,13 +148,13 @@ impl Surface {
 
 impl Cylinder {
     /// From the nearest point of the axis to a point.
-    fn from_axis(&self, point: Point<World>) -> nalgebra::Vector3<f64> {
+    fn away_from_axis(&self, point: Point<World>) -> nalgebra::Vector3<f64> {
         across(point - self.point, self.axis)
     }
 
     fn distance_along(&self, ray: &Ray<World>) -> Option<f64> {
         let along = across(ray.direction.vector(), self.axis);
-        nearer_root(self.from_axis(ray.origin), along, self.radius)
+        nearer_root(self.away_from_axis(ray.origin), along, self.radius)
     }
 }
 

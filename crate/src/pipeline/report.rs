@@ -2,8 +2,8 @@
 
 use super::{Reconstruction, warnings};
 use crate::export::{
-    IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult, SpotResult,
-    SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+    GlowResult, IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult,
+    ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
 };
 use crate::object::Choice;
 use crate::optics::Surface;
@@ -57,6 +57,16 @@ impl Reconstruction<'_> {
             wall_thickness: self.vessel.wall.thickness,
             rms: self.vessel.rms,
             points: self.vessel.points.iter().flatten().count(),
+            glow: self.vessel.glows.map(|glows| GlowResult {
+                inner_share: glows.share,
+                inner_share_sigma: glows.share_sigma,
+                thickness: glows.thickness,
+            }),
+            choice: self.vessel.choice.map(|choice| ShapeChoiceResult {
+                chosen: choice.chosen,
+                runner_up: choice.runner_up,
+                margin: choice.margin,
+            }),
         }
     }
 

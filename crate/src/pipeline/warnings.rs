@@ -10,6 +10,8 @@ pub(super) fn of(reconstruction: &Reconstruction) -> Vec<String> {
     warnings.extend(statuses(reconstruction));
     warnings.extend(saturated(reconstruction));
     warnings.extend(off_epipolar_line(reconstruction));
+    warnings.extend(thickness(reconstruction));
+    warnings.extend(shape(reconstruction));
     warnings
 }
 
@@ -64,4 +66,34 @@ fn off_epipolar_line(reconstruction: &Reconstruction) -> Option<String> {
              or origin has moved since calibration"
         )
     })
+}
+
+/// A wall whose glows lie much nearer or farther apart than its thickness makes them.
+fn thickness(reconstruction: &Reconstruction) -> Option<String> {
+    const NOTABLE: f64 = 1.6;
+    let given = reconstruction.vessel.wall.thickness;
+    let seen = reconstruction.vessel.glows?.thickness?;
+    let ratio = f64::max(seen / given, given / seen);
+    (ratio > NOTABLE).then(|| {
+        format!(
+            "the glows of the wall's two faces suggest a wall of about {seen:.1} mm, and {given} mm are \
+             given"
+        )
+    })
+}
+
+/// A shape that `auto` chose by a hair.
+fn shape(reconstruction: &Reconstruction) -> Option<String> {
+    const SETTLED: f64 = 10.0;
+    let choice = reconstruction
+        .vessel
+        .choice
+        .filter(|choice| choice.margin < SETTLED)?;
+    Some(
+        format!(
+            "the vessel points support a {:?} hardly better than a {:?}; give vessel.shape if you know it",
+            choice.chosen, choice.runner_up
+        )
+        .to_lowercase(),
+    )
 }

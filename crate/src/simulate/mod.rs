@@ -12,7 +12,7 @@ mod truth;
 
 pub use scene::{
     Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Tank,
+    Sweep, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};

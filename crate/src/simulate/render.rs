@@ -103,18 +103,20 @@ fn shade(simulation: &Simulation, sight: &Ray<World>) -> f64 {
     lit * clear + glint
 }
 
-/// Where a line of sight meets the front wall, in half-sizes from its middle; `None` beside it.
+/// Where a line of sight meets the vessel, in half-sizes from its middle; `None` beside it.
 fn place_on_front(simulation: &Simulation, sight: &Ray<World>) -> Option<(f64, f64)> {
-    let Surface::Plane(front) = simulation.wall.outer else {
-        return None;
-    };
     let hit = simulation.wall.outer.hit(sight)?;
-    let tank = &simulation.scene.vessel;
-    let turn = super::rotation_from_degrees(tank.rotation);
-    let from_middle = hit.point - front.point;
-    let across = from_middle.dot(&(turn * Vector3::x())).abs() / tank.half_size[0];
-    let down = from_middle.dot(&(turn * Vector3::y())).abs() / tank.half_size[1];
-    (across <= 1.0 && down <= 1.0).then_some((across, down))
+    let vessel = &simulation.scene.vessel;
+    let turn = super::rotation_from_degrees(vessel.rotation);
+    let from_middle = hit.point - Point::from(vessel.centre);
+    let across = from_middle.dot(&(turn * Vector3::x())).abs() / vessel.half_size[0];
+    let down = from_middle.dot(&(turn * Vector3::y())).abs() / vessel.half_size[1];
+    let place = match simulation.wall.outer {
+        Surface::Plane(_) => (across, down),
+        Surface::Cylinder(_) => (0.0, down),
+        Surface::Sphere(_) => (0.0, 0.0),
+    };
+    (place.0 <= 1.0 && place.1 <= 1.0).then_some(place)
 }
 
 /// A soft light from above, left and behind the rig.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Solid, rotation_from_degrees};
 use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
-use crate::optics::Surface;
+use crate::optics::{Cylinder, Sphere, Surface};
 use crate::scan::{
     CameraEntry, InsideMedium, LaserEntry, LengthUnit, Manifest, MediaEntry, PoseEntry, ScanError,
     ScanFormat, VesselEntry, VesselShape,
@@ -58,7 +58,7 @@ pub struct Scene {
     /// Hand-eye calibration, as in `scan.json`.
     pub flange_from_camera: PoseEntry,
     /// The vessel.
-    pub vessel: Tank,
+    pub vessel: Vessel,
     /// Refractive indices.
     pub media: SceneMedia,
     /// What stands in the vessel.
@@ -97,19 +97,30 @@ pub struct SceneMedia {
     pub inside: f64,
 }
 
-/// A cuboid tank; the rig looks at its front wall.
+/// A vessel: a cuboid tank of which the rig sees the front wall, a round jar, or a bowl.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Tank {
-    /// Thickness of the front wall, mm.
+pub struct Vessel {
+    /// Plane, cylinder or sphere.
+    #[serde(default)]
+    pub shape: VesselShape,
+    /// What the manifest says of the shape; the truth if left out.
+    #[serde(default)]
+    pub declared: Option<VesselShape>,
+    /// Thickness of the wall, mm.
     pub wall_thickness: f64,
-    /// The middle of the front wall's outer face, world frame, mm.
+    /// The middle of a front wall's outer face, a point of a jar's axis, the middle of a bowl; world
+    /// frame, mm.
     pub centre: [f64; 3],
-    /// How the tank is turned: degrees about x, the turned y, the turned z. Unturned, it faces -z.
+    /// How the vessel is turned: degrees about x, the turned y, the turned z. Unturned, a front wall
+    /// faces -z and a jar's axis is y.
     #[serde(default)]
     pub rotation: [f64; 3],
-    /// Half the width and half the height of the front wall, mm.
+    /// Half the width (of a front wall) and half the height (of a front wall or a jar), mm.
     pub half_size: [f64; 2],
+    /// The outer radius of a jar or bowl, mm.
+    #[serde(default)]
+    pub radius: Option<f64>,
     /// The liquid's surface, world y, mm; above it (smaller y) there is air. Full if left out.
     #[serde(default)]
     pub level: Option<f64>,
@@ -280,7 +291,7 @@ impl Scene {
             flange_from_camera: self.flange_from_camera.clone(),
             calibration_sigma: None,
             vessel: VesselEntry {
-                shape: VesselShape::Plane,
+                shape: self.vessel.declared.unwrap_or(self.vessel.shape),
                 wall_thickness: self.vessel.wall_thickness,
                 point: None,
                 normal: None,
@@ -314,13 +325,38 @@ impl Scene {
 
     /// The true wall.
     pub(super) fn wall(&self) -> Result<Wall, SceneError> {
-        let normal = rotation_from_degrees(self.vessel.rotation) * -Vector3::z();
-        let normal = Direction::new(normal).map_err(|problem| SceneError::Direction {
-            key: "vessel.rotation",
-            problem,
-        })?;
-        let outer = Surface::Plane(Plane::new(Point::from(self.vessel.centre), normal));
+        let turn = rotation_from_degrees(self.vessel.rotation);
+        let centre = Point::from(self.vessel.centre);
+        let outer = match self.vessel.shape {
+            VesselShape::Plane => {
+                let normal = Direction::assume_unit(turn * -Vector3::z());
+                Surface::Plane(Plane::new(centre, normal))
+            }
+            VesselShape::Cylinder => Surface::Cylinder(Cylinder {
+                point: centre,
+                axis: Direction::assume_unit(turn * Vector3::y()),
+                radius: self.radius()?,
+            }),
+            VesselShape::Sphere => Surface::Sphere(Sphere {
+                centre,
+                radius: self.radius()?,
+            }),
+            VesselShape::Freeform | VesselShape::Auto => {
+                return Err(SceneError::Value {
+                    key: "vessel.shape",
+                    problem: "must be plane, cylinder or sphere",
+                });
+            }
+        };
         Ok(Wall::exact(outer, self.vessel.wall_thickness, None))
+    }
+
+    fn radius(&self) -> Result<f64, SceneError> {
+        let wide = |radius: &f64| *radius > self.vessel.wall_thickness;
+        self.vessel.radius.filter(wide).ok_or(SceneError::Value {
+            key: "vessel.radius",
+            problem: "a round vessel needs it, and it must be more than the wall's thickness",
+        })
     }
 
     /// What stands in the vessel.

@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Simulation;
+use crate::geometry::Point;
 
 /// What is true of a simulated scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,8 +65,8 @@ fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
     let object_pixel = landing.object.and_then(|point| pixel(point, 2));
     TruthView {
         id: simulation.manifest().views[view].id.clone(),
-        vessel: vessel_pixel.and(landing.outer).map(|p| p.to_array()),
-        object: object_pixel.and(landing.object).map(|p| p.to_array()),
+        vessel: vessel_pixel.and(landing.outer).map(Point::to_array),
+        object: object_pixel.and(landing.object).map(Point::to_array),
         vessel_pixel,
         object_pixel,
     }

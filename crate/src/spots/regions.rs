@@ -63,7 +63,7 @@ pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) 
         covariance += lever * lever.transpose() * noise.variance(difference.level(*i));
     }
     covariance /= total * total;
-    let (shape, skew) = higher_moments(all_light.iter().map(|i| (at(*i), weight(*i))));
+    let (shape, skew) = higher_moments(all_light.iter().map(|i| (at(*i), weight(*i))), centre);
     Spot {
         u: centre.x,
         v: centre.y,
@@ -77,30 +77,65 @@ pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) 
     }
 }
 
-/// Second and third central moments of the light: how wide and how lopsided a spot is. They weigh the
-/// flanks more than the centroid does, so they take in three pixels around the region.
+/// Second and third central moments of the light: how wide and how lopsided a spot is.
+///
+/// Plain moments drown in the noise of the far pixels. So the light is weighted with a Gaussian window
+/// of variance w^2, about twice as wide as the spot, and the window is taken out again as for a Gaussian
+/// spot: S = M (1 - M / w^2)^-1 from the weighted second moments M; third moments grow by the third power
+/// of the widening.
 fn higher_moments(
     light: impl Iterator<Item = (Vector2<f64>, f64)> + Clone,
+    centre: Vector2<f64>,
 ) -> ([f64; 3], [f64; 4]) {
-    let total: f64 = light.clone().map(|(_, w)| w).sum();
-    let centre = light
+    const LEAST_WINDOW: f64 = 4.0;
+    let (plain, _) = windowed_moments(light.clone(), centre, f64::INFINITY);
+    let window = (2.0 * plain.trace()).max(LEAST_WINDOW);
+    let (weighted, third) = windowed_moments(light, centre, window);
+    let kept = Matrix2::identity() - weighted / window;
+    let widened = kept
+        .try_inverse()
+        .filter(|_| kept.trace() > 0.5)
+        .map(|inverse| weighted * inverse);
+    let shape = widened.unwrap_or(weighted);
+    let gain = shape.trace() / weighted.trace();
+    (
+        [shape.m11, shape.m12, shape.m22],
+        third.map(|m| m * gain * gain * gain),
+    )
+}
+
+/// Second and third central moments under a Gaussian window of variance `window`.
+fn windowed_moments(
+    light: impl Iterator<Item = (Vector2<f64>, f64)> + Clone,
+    centre: Vector2<f64>,
+    window: f64,
+) -> (Matrix2<f64>, [f64; 4]) {
+    let weighted = light.map(|(place, w)| {
+        let from_centre = place - centre;
+        (
+            from_centre,
+            w * libm::exp(-0.5 * from_centre.norm_squared() / window),
+        )
+    });
+    let total: f64 = weighted.clone().map(|(_, w)| w).sum();
+    let middle = weighted
         .clone()
         .fold(Vector2::zeros(), |sum, (x, w)| sum + x * w)
         / total;
-    let (mut second, mut third) = ([0.0; 3], [0.0; 4]);
-    for (place, w) in light {
-        let (x, y) = (place.x - centre.x, place.y - centre.y);
-        let w = w / total;
-        let squares = [x * x, x * y, y * y];
-        let cubes = [x * x * x, x * x * y, x * y * y, y * y * y];
-        second
-            .iter_mut()
-            .zip(squares)
-            .for_each(|(sum, m)| *sum += w * m);
+    let (mut second, mut third) = (Matrix2::zeros(), [0.0; 4]);
+    for (place, w) in weighted {
+        let d = place - middle;
+        second += d * d.transpose() * (w / total);
+        let cubes = [
+            d.x * d.x * d.x,
+            d.x * d.x * d.y,
+            d.x * d.y * d.y,
+            d.y * d.y * d.y,
+        ];
         third
             .iter_mut()
             .zip(cubes)
-            .for_each(|(sum, m)| *sum += w * m);
+            .for_each(|(sum, m)| *sum += m * (w / total));
     }
     (second, third)
 }

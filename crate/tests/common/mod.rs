@@ -11,6 +11,7 @@
 
 #[cfg(feature = "simulate")]
 pub mod archives;
+pub mod pictures;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
