@@ -12,18 +12,11 @@ pub(super) struct Line {
     pub(super) start: Vec3,
     pub(super) end: Vec3,
     pub(super) colour: [f32; 4],
-    /// The length of a dash and its gap, mm; 0 is a line without gaps.
-    pub(super) dash: f32,
 }
 
 impl Line {
     pub(super) const fn new(start: Vec3, end: Vec3, colour: [f32; 4]) -> Self {
-        Self {
-            start,
-            end,
-            colour,
-            dash: 0.0,
-        }
+        Self { start, end, colour }
     }
 }
 
@@ -41,7 +34,6 @@ pub(super) struct Lines {
     ends: VertexBuffer<Vec3>,
     corners: VertexBuffer<Vec2>,
     colours: VertexBuffer<Vec4>,
-    dashes: VertexBuffer<f32>,
 }
 
 /// Two triangles: how far along the line (0 to 1), and on which side.
@@ -66,7 +58,6 @@ impl Lines {
             ends: VertexBuffer::new(context),
             corners: VertexBuffer::new(context),
             colours: VertexBuffer::new(context),
-            dashes: VertexBuffer::new(context),
         })
     }
 
@@ -75,7 +66,6 @@ impl Lines {
         self.ends.fill(&six(lines, |line| line.end));
         self.colours
             .fill(&six(lines, |line| Vec4::from(line.colour)));
-        self.dashes.fill(&six(lines, |line| line.dash));
         let corners = lines.iter().flat_map(|_| CORNERS);
         let corners: Vec<_> = corners
             .map(|(along, side)| Vec2::new(along, side))
@@ -100,7 +90,6 @@ impl Lines {
         program.use_vertex_attribute("end", &self.ends);
         program.use_vertex_attribute("corner", &self.corners);
         program.use_vertex_attribute("colour", &self.colours);
-        program.use_vertex_attribute("dash", &self.dashes);
         let states = RenderStates {
             blend: Blend::TRANSPARENCY,
             depth_test: DepthTest::LessOrEqual,
