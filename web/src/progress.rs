@@ -27,7 +27,7 @@ pub(crate) fn RunningScreen() -> impl IntoView {
                 max=move || progress().views.max(1).to_string()
                 value=value
             ></progress>
-            <p class="status" role="status" data-testid="status">
+            <p class="status" data-testid="status">
                 {move || sentence(progress())}
             </p>
             <button type="button" data-testid="cancel" on:click=move |_| workbench.cancel()>

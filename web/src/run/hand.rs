@@ -23,6 +23,8 @@ type Listener<E> = Closure<dyn FnMut(E)>;
 /// The page's side of one worker.
 pub(crate) struct Hand {
     worker: Worker,
+    /// The worker's own script, as long as it is needed.
+    script: String,
     open_questions: OpenQuestions,
     last_number: Cell<u32>,
     /// Kept as long as the worker may call it.
@@ -36,6 +38,7 @@ impl Drop for Hand {
         self.worker.set_onmessage(None);
         self.worker.set_onerror(None);
         self.worker.terminate();
+        let _ = Url::revoke_object_url(&self.script);
     }
 }
 
@@ -53,7 +56,7 @@ impl Hand {
     }
 
     fn new() -> Result<Self, JsValue> {
-        let worker = start_worker()?;
+        let (worker, script) = start_worker()?;
         let open_questions = OpenQuestions::default();
         let questions = open_questions.clone();
         let on_message =
@@ -67,6 +70,7 @@ impl Hand {
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
         Ok(Self {
             worker,
+            script,
             open_questions,
             last_number: Cell::new(READY),
             _on_message: on_message,
@@ -194,7 +198,7 @@ extern "C" {
 
 /// Starts the same program in a worker: a small module imports the page's script and gives it the
 /// WebAssembly that the page has compiled already, so nothing is fetched or compiled again.
-fn start_worker() -> Result<Worker, JsValue> {
+fn start_worker() -> Result<(Worker, String), JsValue> {
     let script = SCRIPT.with(|url| js_sys::JSON::stringify(&url.into()))?;
     let source = format!(
         "import init from {script};\n\
@@ -208,5 +212,5 @@ fn start_worker() -> Result<Worker, JsValue> {
     options.set_type(WorkerType::Module);
     let worker = Worker::new_with_options(&address, &options)?;
     worker.post_message(&wasm_bindgen::module())?;
-    Ok(worker)
+    Ok((worker, address))
 }

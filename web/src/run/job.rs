@@ -59,10 +59,15 @@ async fn find_all_spots(
     let helpers = (1..cores().min(views)).map(|_| async {
         let helper = Hand::start().await?;
         helper.open(file).await?;
-        list.work_off(&helper, settings).await
+        list.work_off(&helper, settings).await;
+        Ok(())
     });
-    try_join(list.work_off(first, settings), try_join_all(helpers)).await?;
-    Ok(list.spots())
+    let own = async {
+        list.work_off(first, settings).await;
+        Ok(())
+    };
+    try_join(own, try_join_all(helpers)).await?;
+    list.spots()
 }
 
 /// How many workers: one a core, but no more than memory likes.
@@ -76,6 +81,8 @@ fn cores() -> usize {
 struct WorkList<T> {
     next: Cell<usize>,
     found: RefCell<Vec<Option<Spots>>>,
+    /// The first view that cannot be used, and why.
+    failed: RefCell<Option<(usize, Problem)>>,
     done: Cell<usize>,
     begun: f64,
     tell: T,
@@ -86,6 +93,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         let list = Self {
             next: Cell::new(0),
             found: RefCell::new(vec![None; views]),
+            failed: RefCell::new(None),
             done: Cell::new(0),
             begun: super::now(),
             tell,
@@ -94,20 +102,36 @@ impl<T: Fn(Progress)> WorkList<T> {
         list
     }
 
-    async fn work_off(&self, hand: &Hand, settings: Settings) -> Result<(), Problem> {
+    async fn work_off(&self, hand: &Hand, settings: Settings) {
         while let Some(view) = self.take() {
-            let spots = hand.observe(view, settings).await?;
-            self.found.borrow_mut()[view] = Some(spots);
-            self.done.set(self.done.get() + 1);
-            self.report();
+            match hand.observe(view, settings).await {
+                Ok(spots) => self.put(view, spots),
+                Err(problem) => self.fail(view, problem),
+            }
         }
-        Ok(())
     }
 
+    /// The next view, in their order; none after a failure.
     fn take(&self) -> Option<usize> {
         let view = self.next.get();
         self.next.set(view + 1);
-        (view < self.found.borrow().len()).then_some(view)
+        let is_left = view < self.found.borrow().len() && self.failed.borrow().is_none();
+        is_left.then_some(view)
+    }
+
+    fn put(&self, view: usize, spots: Spots) {
+        self.found.borrow_mut()[view] = Some(spots);
+        self.done.set(self.done.get() + 1);
+        self.report();
+    }
+
+    /// Every view before a failing one has been taken already and is finished, so of several failures
+    /// the same one is told each time, however many hands there are.
+    fn fail(&self, view: usize, problem: Problem) {
+        let mut failed = self.failed.borrow_mut();
+        if failed.as_ref().is_none_or(|(first, _)| view < *first) {
+            *failed = Some((view, problem));
+        }
     }
 
     fn report(&self) {
@@ -118,7 +142,10 @@ impl<T: Fn(Progress)> WorkList<T> {
         });
     }
 
-    fn spots(self) -> Vec<Spots> {
-        self.found.into_inner().into_iter().flatten().collect()
+    fn spots(self) -> Result<Vec<Spots>, Problem> {
+        match self.failed.into_inner() {
+            Some((_, problem)) => Err(problem),
+            None => Ok(self.found.into_inner().into_iter().flatten().collect()),
+        }
     }
 }
