@@ -100,6 +100,28 @@ pub enum WallResult {
         /// Millimetres.
         radius: f64,
     },
+    /// Any smooth wall: a uniform bicubic B-spline of heights over a reference plane. The control point in
+    /// column i and row j belongs to the place `start + ((i - 1) step[0], (j - 1) step[1])`.
+    Freeform {
+        /// The reference plane's origin, mm.
+        origin: [f64; 3],
+        /// Its unit normal towards the rig.
+        normal: [f64; 3],
+        /// The unit vectors that places are counted along.
+        tangents: [[f64; 3]; 2],
+        /// The grid's first place, mm.
+        start: [f64; 2],
+        /// The grid's spacing, mm.
+        step: [f64; 2],
+        /// Control points along the first tangent.
+        columns: usize,
+        /// Control points along the second tangent.
+        rows: usize,
+        /// Their heights, mm, row by row.
+        heights: Vec<f64>,
+        /// The corners of the measured patch; beyond it there is no wall.
+        patch: Vec<[f64; 2]>,
+    },
 }
 
 result! {

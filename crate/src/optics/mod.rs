@@ -5,12 +5,14 @@
 //! rig, so that light from the rig meets every interface from its front.
 
 mod aim;
+mod freeform;
 mod media;
 mod snell;
 mod stack;
 mod surface;
 
 pub use aim::{AimError, aim_through};
+pub use freeform::{Freeform, Grid, Sheet, convex_hull};
 pub use media::Media;
 pub use snell::{TotalReflection, refract};
 pub use stack::{Interface, Path, Stack, TraceError, TraceProblem};

@@ -2,7 +2,7 @@ use super::{Surface, TotalReflection, refract};
 use crate::geometry::{Point, Ray, World};
 
 /// A face and the medium behind it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Interface {
     /// The face.
     pub surface: Surface,
@@ -44,6 +44,9 @@ pub enum TraceProblem {
     /// The light never meets the face.
     #[error("the ray misses it")]
     Miss,
+    /// The light meets the face where it was not measured.
+    #[error("outside the measured wall")]
+    Unmeasured,
     /// The light is thrown back.
     #[error(transparent)]
     TotalReflection(#[from] TotalReflection),
@@ -83,7 +86,7 @@ impl Stack {
             let hit = interface
                 .surface
                 .hit(&light)
-                .ok_or_else(|| stopped(TraceProblem::Miss))?;
+                .ok_or_else(|| stopped(missed(&interface.surface)))?;
             let bent = refract(light.direction, hit.normal, index, interface.index_behind)
                 .map_err(|e| stopped(e.into()))?;
             light = Ray::new(hit.point, bent);
@@ -91,5 +94,14 @@ impl Stack {
             at_bend(hit.point);
         }
         Ok(light)
+    }
+}
+
+/// A free form ends where its measurement does; other shapes go on, so a ray that does not meet them
+/// passes by.
+const fn missed(surface: &Surface) -> TraceProblem {
+    match surface {
+        Surface::Freeform(_) => TraceProblem::Unmeasured,
+        _ => TraceProblem::Miss,
     }
 }

@@ -1,12 +1,13 @@
 use nalgebra::DVector;
 
+use super::Freeform;
 use crate::geometry::{Direction, Plane, Point, Ray, World};
 
 /// A surface that parts two media.
 ///
 /// To add a shape: give it a variant here and a line in each method below, a start for its fit in the
 /// `vessel` room, and a line in each of the tests that every shape passes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// A flat face; its normal points towards the rig.
     Plane(Plane<World>),
@@ -14,6 +15,8 @@ pub enum Surface {
     Cylinder(Cylinder),
     /// A ball's face seen from outside; its normals point away from the centre.
     Sphere(Sphere),
+    /// Any smooth face, within the patch in which it was measured.
+    Freeform(Freeform),
 }
 
 /// A circular cylinder without end.
@@ -61,6 +64,7 @@ impl Surface {
             Self::Plane(_) => return None,
             Self::Cylinder(cylinder) => cylinder.distance_along(ray)?,
             Self::Sphere(sphere) => sphere.distance_along(ray)?,
+            Self::Freeform(freeform) => return freeform.hit(ray),
         };
         if distance.is_nan() || distance < -TOUCHING {
             return None;
@@ -79,6 +83,7 @@ impl Surface {
             Self::Plane(plane) => Some(plane.normal),
             Self::Cylinder(cylinder) => Direction::new(cylinder.away_from_axis(point)).ok(),
             Self::Sphere(sphere) => Direction::new(point - sphere.centre).ok(),
+            Self::Freeform(freeform) => Some(freeform.normal_at(point)),
         }
     }
 
@@ -96,6 +101,7 @@ impl Surface {
                 radius: smaller(sphere.radius)?,
                 ..*sphere
             }),
+            Self::Freeform(freeform) => Self::Freeform(freeform.behind(distance)),
         })
     }
 
@@ -105,15 +111,17 @@ impl Surface {
             Self::Plane(plane) => plane.signed_distance(point),
             Self::Cylinder(cylinder) => cylinder.away_from_axis(point).norm() - cylinder.radius,
             Self::Sphere(sphere) => (point - sphere.centre).norm() - sphere.radius,
+            Self::Freeform(freeform) => freeform.signed_distance(point),
         }
     }
 
     /// How many numbers move the surface: the length of what [`Surface::nudged`] takes.
-    pub const fn freedom(&self) -> usize {
+    pub fn freedom(&self) -> usize {
         match self {
             Self::Plane(_) => 3,
             Self::Cylinder(_) => 5,
             Self::Sphere(_) => 4,
+            Self::Freeform(freeform) => freeform.sheet().heights.len(),
         }
     }
 
@@ -124,6 +132,7 @@ impl Surface {
     /// * A cylinder: tilts of the axis towards its two tangents (radians) about its point, shifts along
     ///   these tangents (mm), the radius (mm).
     /// * A sphere: shifts along x, y and z (mm), the radius (mm).
+    /// * A free form: its control points' heights (mm).
     pub fn nudged(&self, step: &DVector<f64>) -> Self {
         match self {
             Self::Plane(plane) => Self::Plane(Plane::new(
@@ -142,6 +151,7 @@ impl Surface {
                 centre: sphere.centre + step.fixed_rows::<3>(0).into_owned(),
                 radius: sphere.radius + step[3],
             }),
+            Self::Freeform(freeform) => Self::Freeform(freeform.raised(step.iter().copied())),
         }
     }
 }

@@ -15,10 +15,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod light;
 mod report;
 mod summary;
 mod warnings;
 
+pub use light::LightPaths;
 pub use summary::Summary;
 
 use std::io::{Read, Seek};

@@ -6,7 +6,7 @@ use crate::export::{
     ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
 };
 use crate::object::Choice;
-use crate::optics::Surface;
+use crate::optics::{Freeform, Surface};
 use crate::scan::LengthUnit;
 
 impl Reconstruction<'_> {
@@ -37,7 +37,7 @@ impl Reconstruction<'_> {
     }
 
     fn vessel_result(&self) -> VesselResult {
-        let wall = match self.vessel.wall.outer {
+        let wall = match &self.vessel.wall.outer {
             Surface::Plane(plane) => WallResult::Plane {
                 point: plane.point.to_array(),
                 normal: plane.normal.vector().into(),
@@ -51,6 +51,7 @@ impl Reconstruction<'_> {
                 center: sphere.centre.to_array(),
                 radius: sphere.radius,
             },
+            Surface::Freeform(freeform) => freeform_result(freeform),
         };
         VesselResult {
             wall,
@@ -120,6 +121,23 @@ impl Reconstruction<'_> {
                     .map(|(_, refusal)| refusal.to_string()),
             })
             .collect()
+    }
+}
+
+/// A free-form wall as the spline that it is.
+fn freeform_result(freeform: &Freeform) -> WallResult {
+    let sheet = freeform.sheet();
+    let (u, v) = sheet.reference.normal.tangents();
+    WallResult::Freeform {
+        origin: sheet.reference.point.to_array(),
+        normal: sheet.reference.normal.vector().into(),
+        tangents: [u.into(), v.into()],
+        start: sheet.grid.start.into(),
+        step: sheet.grid.step.into(),
+        columns: sheet.grid.columns,
+        rows: sheet.grid.rows,
+        heights: sheet.heights.clone(),
+        patch: sheet.patch.iter().map(|corner| (*corner).into()).collect(),
     }
 }
 

@@ -111,10 +111,10 @@ fn place_on_front(simulation: &Simulation, sight: &Ray<World>) -> Option<(f64, f
     let from_middle = hit.point - Point::from(vessel.centre);
     let across = from_middle.dot(&(turn * Vector3::x())).abs() / vessel.half_size[0];
     let down = from_middle.dot(&(turn * Vector3::y())).abs() / vessel.half_size[1];
-    let place = match simulation.wall.outer {
+    let place = match &simulation.wall.outer {
         Surface::Plane(_) => (across, down),
         Surface::Cylinder(_) => (0.0, down),
-        Surface::Sphere(_) => (0.0, 0.0),
+        Surface::Sphere(_) | Surface::Freeform(_) => (0.0, 0.0),
     };
     (place.0 <= 1.0 && place.1 <= 1.0).then_some(place)
 }

@@ -115,14 +115,6 @@ pub enum VesselError {
         /// The shape.
         shape: &'static str,
     },
-    /// This version does not know the shape.
-    #[error(
-        "vessel.shape: a {shape} wall cannot be measured by this version; plane, cylinder, sphere and auto can"
-    )]
-    Unsupported {
-        /// The shape.
-        shape: &'static str,
-    },
     /// The wall is thicker than the vessel.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
@@ -159,7 +151,7 @@ pub fn find_vessel(
         media,
         settings,
         shape: settings.shape.unwrap_or(scan.manifest.vessel.shape),
-        known: scan.known_wall.filter(|_| settings.shape.is_none()),
+        known: scan.known_wall.clone().filter(|_| settings.shape.is_none()),
         thickness: scan.manifest.vessel.wall_thickness,
         far: scan.manifest.vessel.far_wall.as_ref().map(|far| FarWall {
             distance: far.distance,
@@ -196,13 +188,13 @@ impl Finder<'_> {
     fn find(&self) -> Result<VesselFit, VesselError> {
         let (merged, start, choice) = self.pick_spots()?;
         let first = self.refit(&merged, &start.surface)?;
-        let faces = self.faces(&merged, &self.wall(first.surface)?);
+        let faces = self.faces(&merged, &self.wall(first.surface.clone())?);
         let glows = self.glows(&merged, &faces);
         let share = glows.map_or(0.0, |glows| glows.share);
         let mut picks = self.without_inner_glow(&merged, &faces, share);
         let grain = self.add_grain(&mut picks);
         let mut fit = self.refit(&picks, &first.surface)?;
-        if let (Some(glows), None) = (&glows, self.known) {
+        if let (Some(glows), None) = (&glows, &self.known) {
             let more = self.without_inner_glow(&merged, &faces, share + glows.share_sigma);
             self.add_uncertainty(&mut fit, &more);
         }
@@ -230,8 +222,8 @@ impl Finder<'_> {
             })
         });
         let firsts: Vec<_> = firsts.collect();
-        let (start, choice) = match self.known {
-            Some(known) => (self.hold_against(known, &firsts)?, None),
+        let (start, choice) = match &self.known {
+            Some(known) => (self.hold_against(known.clone(), &firsts)?, None),
             None => shape::fit(&firsts, self.front, self.shape)?,
         };
         let limit = self.settings.outlier * start.scale.max(1e-6);
@@ -316,10 +308,10 @@ impl Finder<'_> {
 
     fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
         let points = self.points(self.rig, picks, start);
-        if let Some(known) = self.known {
-            return Ok(hold(&points, known));
+        if let Some(known) = &self.known {
+            return Ok(hold(&points, known.clone()));
         }
-        refine(&points, *start).ok_or(VesselError::Undetermined { shape: "wall" })
+        refine(&points, start).ok_or(VesselError::Undetermined { shape: "wall" })
     }
 
     fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {
@@ -400,7 +392,7 @@ impl Finder<'_> {
                 residual: fit.residuals[row],
             });
         }
-        let mut wall = self.wall(fit.surface)?;
+        let mut wall = self.wall(fit.surface.clone())?;
         wall.covariance = fit.covariance.clone();
         Ok(VesselFit {
             wall,

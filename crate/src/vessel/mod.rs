@@ -2,8 +2,10 @@
 //! (sections II-C and III-A of the paper).
 
 mod find;
+mod freeform;
 mod glow;
 mod grain;
+mod mesh;
 mod pick;
 mod refine;
 mod shape;
@@ -12,5 +14,6 @@ mod wall;
 
 pub use find::{VesselError, VesselFit, VesselPoint, VesselSettings, find_vessel};
 pub use glow::Glows;
+pub use mesh::{MeshNode, WallMesh};
 pub use shape::ShapeChoice;
 pub use wall::{FarWall, NoRoom, Wall};

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::freeform;
 use crate::geometry::{WeightedPoint, World};
 use crate::optics::Surface;
 
@@ -15,6 +16,11 @@ pub(super) struct SurfaceFit {
     pub(super) residuals: DVector<f64>,
     /// How the points' distances from the surface change with its parameters, a row a point.
     pub(super) jacobian: DMatrix<f64>,
+    /// What turns weighted distances into a step of the parameters: the inverse of J^T W J, with the
+    /// penalty of a free form in it.
+    pub(super) inverse_information: DMatrix<f64>,
+    /// How many numbers the points had to give: fewer than there are where a penalty holds some.
+    pub(super) effective_freedom: f64,
     /// Covariance of the parameters, in the order and units of [`Surface::nudged`].
     pub(super) covariance: DMatrix<f64>,
     /// Root mean square distance of the supporting points, mm.
@@ -34,8 +40,11 @@ const DERIVATIVE_STEP: f64 = 1e-5;
 ///
 /// The covariance is that of the weighted fit, scaled up where the residuals are larger than the
 /// points' sigmas.
-pub(super) fn refine(points: &[WeightedPoint<World>], start: Surface) -> Option<SurfaceFit> {
-    let mut surface = start;
+pub(super) fn refine(points: &[WeightedPoint<World>], start: &Surface) -> Option<SurfaceFit> {
+    if let Surface::Freeform(freeform) = start {
+        return freeform::fit(points, freeform.sheet().reference);
+    }
+    let mut surface = start.clone();
     for _ in 0..STEPS {
         let weights = biweights(points, &surface);
         let jacobian = jacobian(points, &surface);
@@ -60,18 +69,21 @@ pub(super) fn hold(points: &[WeightedPoint<World>], surface: Surface) -> Surface
     let jacobian = DMatrix::zeros(points.len(), surface.freedom());
     let distances = distances(points, &surface);
     let weights = biweights(points, &surface);
+    let freedom = surface.freedom();
     SurfaceFit {
-        surface,
         rms: supported_rms(&distances, &weights),
         scale: robust_scale(distances.as_slice()),
-        covariance: DMatrix::zeros(surface.freedom(), surface.freedom()),
+        covariance: DMatrix::zeros(freedom, freedom),
+        inverse_information: DMatrix::zeros(freedom, freedom),
+        effective_freedom: 0.0,
+        surface,
         weights,
         residuals: distances,
         jacobian,
     }
 }
 
-fn supported_rms(distances: &DVector<f64>, weights: &[f64]) -> f64 {
+pub(super) fn supported_rms(distances: &DVector<f64>, weights: &[f64]) -> f64 {
     let supporting = distances.iter().zip(weights).filter(|(_, w)| **w > 0.0);
     let (count, squares) = supporting.fold((0.0, 0.0), |(n, s), (d, _)| (n + 1.0, s + d * d));
     (squares / f64::max(count, 1.0)).sqrt()
@@ -81,7 +93,9 @@ impl SurfaceFit {
     /// The step of the parameters that follows points which move across the surface by `shifts` (mm):
     /// the weighted fit, linearised.
     pub(super) fn response(&self, shifts: &DVector<f64>) -> Option<DVector<f64>> {
-        solve(&self.jacobian, &self.weights, shifts).map(|step| -step)
+        let (_, right) = normal_equations(&self.jacobian, &self.weights, shifts);
+        let step = -(&self.inverse_information * right);
+        step.iter().all(|x| x.is_finite()).then_some(step)
     }
 }
 
@@ -152,7 +166,7 @@ fn jacobian(points: &[WeightedPoint<World>], surface: &Surface) -> DMatrix<f64> 
     jacobian
 }
 
-fn biweights(points: &[WeightedPoint<World>], surface: &Surface) -> Vec<f64> {
+pub(super) fn biweights(points: &[WeightedPoint<World>], surface: &Surface) -> Vec<f64> {
     let normalised: Vec<f64> = points
         .iter()
         .map(|p| surface.signed_distance(p.point) / p.sigma)
@@ -197,9 +211,12 @@ fn summarise(points: &[WeightedPoint<World>], surface: Surface) -> Option<Surfac
         })
         .collect();
     let (information, _) = normal_equations(&jacobian, &plain, &distances);
+    let (weighted, _) = normal_equations(&jacobian, &weights, &distances);
     Some(SurfaceFit {
-        surface,
         covariance: inverse(information)? * (chi / freedom).max(1.0),
+        inverse_information: inverse(weighted)?,
+        effective_freedom: surface.freedom() as f64,
+        surface,
         rms: supported_rms(&distances, &weights),
         scale: robust_scale(distances.as_slice()),
         weights,

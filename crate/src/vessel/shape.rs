@@ -26,7 +26,6 @@ pub(super) fn fit(
 ) -> Result<(SurfaceFit, Option<ShapeChoice>), VesselError> {
     match shape {
         VesselShape::Auto => choose(points, front),
-        VesselShape::Freeform => Err(VesselError::Unsupported { shape: "freeform" }),
         one => fit_one(points, front, one).map(|fit| (fit, None)),
     }
 }
@@ -44,6 +43,11 @@ fn fit_one(
             "sphere",
             4,
         ),
+        VesselShape::Freeform => (
+            start::freeform(points, front).into_iter().collect(),
+            "free-form wall",
+            12,
+        ),
         _ => (
             vec![Surface::Plane(fit_plane(points, front)?.plane)],
             "plane",
@@ -57,7 +61,9 @@ fn fit_one(
             found: points.len(),
         });
     }
-    let fits = starts.into_iter().filter_map(|start| refine(points, start));
+    let fits = starts
+        .into_iter()
+        .filter_map(|start| refine(points, &start));
     let fit = fits
         .filter(|fit| fit.surface.signed_distance(front) > 0.0)
         .min_by(|a, b| a.scale.total_cmp(&b.scale))
@@ -88,24 +94,31 @@ fn choose(
         VesselShape::Plane,
         VesselShape::Sphere,
         VesselShape::Cylinder,
+        VesselShape::Freeform,
     ];
     let mut fits = Vec::new();
     let mut first_error = None;
     for shape in shapes {
         match fit_one(points, front, shape) {
+            // A free form that the noise has smoothed flat is the plane once more.
+            Ok(fit) if shape == VesselShape::Freeform && fit.effective_freedom < 4.0 => {}
             Ok(fit) => fits.push((shape, fit)),
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
+    let scale = |fit: &SurfaceFit| {
+        let count = points.len() as f64;
+        fit.scale * (count / (count - fit.effective_freedom).max(1.0)).sqrt()
+    };
     let closest = fits
         .iter()
-        .map(|(_, fit)| fit.scale)
+        .map(|(_, fit)| scale(fit))
         .fold(f64::INFINITY, f64::min);
     let noise = closest.max(1e-9);
     let criterion = |fit: &SurfaceFit| {
         let loss =
             |p: &WeightedPoint<World>| tukey_loss(fit.surface.signed_distance(p.point) / noise);
-        let k = fit.surface.freedom() as f64;
+        let k = fit.effective_freedom;
         points.iter().map(loss).sum::<f64>() + k * libm::log(points.len() as f64)
     };
     let mut ranked: Vec<_> = fits

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
 use super::refine::robust_scale;
-use crate::geometry::{Direction, Point, World};
+use crate::geometry::{Direction, Plane, Point, WeightedPoint, World};
 use crate::optics::{Cylinder, Sphere, Surface};
 
 /// Points looked at by the search: enough for a median, few enough for thousands of trials.
@@ -68,6 +68,14 @@ pub(super) fn sphere(points: &[Point<World>], front: Point<World>) -> Option<Sur
         .map(|s| (spread(&points, &s), s))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, s)| s)
+}
+
+/// A sheet over a plane across the rig's line of sight: every point of the wall that the rig saw has one
+/// height over it.
+pub(super) fn freeform(points: &[WeightedPoint<World>], front: Point<World>) -> Option<Surface> {
+    let middle = mean(&points.iter().map(|p| p.point).collect::<Vec<_>>());
+    let towards_rig = Direction::new(front - middle).ok()?;
+    super::freeform::fit(points, Plane::new(middle, towards_rig)).map(|fit| fit.surface)
 }
 
 fn spread(points: &[Point<World>], surface: &Surface) -> f64 {

@@ -39,11 +39,12 @@ pub struct NoRoom {
 impl Wall {
     /// A wall whose outer face is known exactly.
     pub fn exact(outer: Surface, thickness: f64, far: Option<FarWall>) -> Self {
+        let freedom = outer.freedom();
         Self {
             outer,
             thickness,
             far,
-            covariance: DMatrix::zeros(outer.freedom(), outer.freedom()),
+            covariance: DMatrix::zeros(freedom, freedom),
         }
     }
 

@@ -1,0 +1,33 @@
+//! The light of a view, for those who draw it.
+
+use super::Reconstruction;
+use crate::geometry::{Point, World};
+use crate::object::line_of_sight;
+
+/// How the light of a view runs, bent at every face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightPaths {
+    /// From the laser to where the beam comes closest to the line of sight.
+    pub beam: Vec<Point<World>>,
+    /// From the camera to where the line of sight comes closest to the beam.
+    pub sight: Vec<Point<World>>,
+}
+
+impl Reconstruction<'_> {
+    /// The two light paths that make a view's object point; `None` if the view has none.
+    pub fn light_paths(&self, view: usize) -> Option<LightPaths> {
+        let object = self.object[view].point.as_ref()?;
+        let station = &self.scan.stations[view];
+        let pose = &station.world_from_camera;
+        let pixel = self.spots[view].spots[object.spot].pixel();
+        let stack = self.vessel.wall.stack(&self.media, station.inside).ok()?;
+        let rig = &self.scan.rig;
+        let beam = stack.path(&pose.ray(&rig.beam)).ok()?;
+        let sight = stack.path(&line_of_sight(rig, pose, pixel).ok()?).ok()?;
+        let approach = &object.meeting.approach;
+        Some(LightPaths {
+            beam: [beam.vertices, vec![approach.first]].concat(),
+            sight: [sight.vertices, vec![approach.second]].concat(),
+        })
+    }
+}

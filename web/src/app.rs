@@ -1,0 +1,158 @@
+//! The page: which screen is shown, what went wrong, and files dropped anywhere.
+
+use leptos::prelude::*;
+use leptos::{ev, html, mount};
+use web_sys::{DragEvent, Element};
+
+use crate::files::{self, FILE_INPUT};
+use crate::progress::RunningScreen;
+use crate::result::ResultScreen;
+use crate::run::Problem;
+use crate::start::StartScreen;
+use crate::state::{Screen, Workbench};
+
+/// Puts the page in the place of what was shown while it loaded.
+pub(crate) fn start() {
+    std::panic::set_hook(Box::new(|panic| {
+        web_sys::console::error_1(&panic.to_string().into());
+        if let Some(root) = root() {
+            let _ = root.set_attribute("data-state", "failed");
+            let _ = root.set_attribute("data-broken", "");
+        }
+    }));
+    if let Some(shell) = document().get_element_by_id("shell") {
+        shell.remove();
+    }
+    mount::mount_to_body(App);
+}
+
+fn root() -> Option<Element> {
+    document().document_element()
+}
+
+#[component]
+fn App() -> impl IntoView {
+    let workbench = Workbench::new();
+    provide_context(workbench);
+    Effect::new(move |_| {
+        let word = workbench.word();
+        if let Some(root) = root() {
+            let _ = root.set_attribute("data-state", word);
+        }
+    });
+    accept_drops(workbench);
+    let screen = Memo::new(move |_| workbench.screen());
+    view! {
+        <Header />
+        <FileInput />
+        <main id="main">
+            <ProblemNote />
+            {move || match screen.get() {
+                Screen::Start => view! { <StartScreen /> }.into_any(),
+                Screen::Running => view! { <RunningScreen /> }.into_any(),
+                Screen::Result => view! { <ResultScreen /> }.into_any(),
+            }}
+        </main>
+    }
+}
+
+#[component]
+fn Header() -> impl IntoView {
+    let workbench = Workbench::get();
+    let screen = Memo::new(move |_| workbench.screen());
+    let name = move || {
+        let facts = workbench.facts.get();
+        facts.map(|facts| facts.name.clone()).unwrap_or_default()
+    };
+    view! {
+        <header class="top">
+            <span class="brand">
+                <Mark />
+                "Snellius"
+            </span>
+            <Show when=move || screen.get() == Screen::Result>
+                <h1 class="scan-name">{name}</h1>
+                <button type="button" on:click=move |_| workbench.go_to_start()>
+                    "Open another scan"
+                </button>
+            </Show>
+        </header>
+    }
+}
+
+/// A ray that is bent at a face.
+#[component]
+fn Mark() -> impl IntoView {
+    view! {
+        <svg class="mark" viewBox="0 0 32 32" aria-hidden="true">
+            <path class="water" d="M2 16h28v10a4 4 0 0 1-4 4H6a4 4 0 0 1-4-4z" />
+            <path class="ray" d="M5 3l11 13 4 13" />
+        </svg>
+    }
+}
+
+/// The browser's file chooser, on every screen; the start screen's button opens it.
+#[component]
+fn FileInput() -> impl IntoView {
+    let workbench = Workbench::get();
+    let input = NodeRef::<html::Input>::new();
+    let choose = move |_| {
+        if let Some(input) = input.get() {
+            files::open(workbench, input.files());
+            // So that choosing the same file again counts as a choice.
+            input.set_value("");
+        }
+    };
+    view! {
+        <input
+            node_ref=input
+            id=FILE_INPUT
+            type="file"
+            accept=".zip,application/zip"
+            data-testid="file-input"
+            aria-label="Scan archive"
+            hidden
+            on:change=choose
+        />
+    }
+}
+
+#[component]
+fn ProblemNote() -> impl IntoView {
+    let workbench = Workbench::get();
+    let shown = move |Problem {
+                          cause, next_step, ..
+                      }: Problem| {
+        view! {
+            <div class="problem" role="alert" data-testid="error">
+                <div>
+                    <p class="cause">{cause}</p>
+                    <p>{next_step}</p>
+                </div>
+                <button
+                    type="button"
+                    class="quiet"
+                    aria-label="Close this message"
+                    on:click=move |_| workbench.problem.set(None)
+                >
+                    "Close"
+                </button>
+            </div>
+        }
+    };
+    move || workbench.problem.get().map(shown)
+}
+
+/// A file may be dropped anywhere, whatever is shown.
+fn accept_drops(workbench: Workbench) {
+    let over = window_event_listener(ev::dragover, |event: DragEvent| event.prevent_default());
+    let drop = window_event_listener(ev::drop, move |event: DragEvent| {
+        event.prevent_default();
+        let list = event.data_transfer().and_then(|data| data.files());
+        files::open(workbench, list);
+    });
+    on_cleanup(move || {
+        over.remove();
+        drop.remove();
+    });
+}

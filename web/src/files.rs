@@ -1,0 +1,98 @@
+//! Files on their way into the page and out of it.
+
+use js_sys::Array;
+use leptos::prelude::document;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{Blob, BlobPropertyBag, FileList, HtmlAnchorElement, HtmlElement, Response, Url};
+
+use crate::run::Problem;
+use crate::state::Workbench;
+
+/// The id of the page's file input.
+pub(crate) const FILE_INPUT: &str = "file-input";
+
+/// Shows the browser's file chooser.
+pub(crate) fn ask_for_one() {
+    let input = document().get_element_by_id(FILE_INPUT);
+    if let Some(input) = input.and_then(|input| input.dyn_into::<HtmlElement>().ok()) {
+        input.click();
+    }
+}
+
+/// Opens the file that was dropped or chosen.
+pub(crate) fn open(workbench: Workbench, list: Option<FileList>) {
+    let files: Vec<_> = list
+        .iter()
+        .flat_map(|l| (0..l.length()).filter_map(|i| l.get(i)))
+        .collect();
+    match files.as_slice() {
+        [] => {}
+        [file] => workbench.open(file.clone().into(), file.name()),
+        [_, ..] => workbench.fail(Problem::input(
+            format!("{} files at once; a scan is one archive.", files.len()),
+            "Pack scan.json and its pictures into one .zip, and choose that.",
+        )),
+    }
+}
+
+/// Fetches a file that lies beside the page.
+pub(crate) async fn fetch(address: &str) -> Result<Response, String> {
+    let window = web_sys::window().ok_or("no window")?;
+    let answer = JsFuture::from(window.fetch_with_str(address)).await;
+    let response: Response = answer.map_err(|_| "no connection")?.unchecked_into();
+    if response.ok() {
+        Ok(response)
+    } else {
+        Err(format!(
+            "the server says {} {}",
+            response.status(),
+            response.status_text()
+        ))
+    }
+}
+
+/// Fetches a file whole.
+pub(crate) async fn fetch_blob(address: &str) -> Result<Blob, String> {
+    let broken = |_| "the connection broke off";
+    let whole = fetch(address).await?.blob().map_err(broken)?;
+    let blob = JsFuture::from(whole).await.map_err(broken)?;
+    Ok(blob.unchecked_into())
+}
+
+/// Fetches a text.
+pub(crate) async fn fetch_json(address: &str) -> Result<JsValue, String> {
+    let broken = |_| "it is no JSON";
+    let json = fetch(address).await?.json().map_err(broken)?;
+    JsFuture::from(json)
+        .await
+        .map_err(|_| "it is no JSON".to_owned())
+}
+
+/// Saves a text as a file, as the browser saves downloads.
+pub(crate) fn save(text: &str, name: &str, kind: &str) -> Result<(), JsValue> {
+    let options = BlobPropertyBag::new();
+    options.set_type(kind);
+    let blob = Blob::new_with_str_sequence_and_options(&Array::of1(&text.into()), &options)?;
+    let address = Url::create_object_url_with_blob(&blob)?;
+    let link: HtmlAnchorElement = document().create_element("a")?.unchecked_into();
+    link.set_href(&address);
+    link.set_download(name);
+    link.click();
+    revoke_later(address);
+    Ok(())
+}
+
+/// The browser needs the address until it has begun to save.
+fn revoke_later(address: String) {
+    const MILLISECONDS: i32 = 60_000;
+    let revoke = Closure::once_into_js(move || {
+        let _ = Url::revoke_object_url(&address);
+    });
+    if let Some(window) = web_sys::window() {
+        let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(
+            revoke.unchecked_ref(),
+            MILLISECONDS,
+        );
+    }
+}

@@ -1,0 +1,39 @@
+//! The result screen: scene, numbers, table and pictures of one measured scan.
+
+use leptos::prelude::*;
+
+use crate::downloads::Downloads;
+use crate::index::IndexPanel;
+use crate::pictures::Pictures;
+use crate::scene::Scene;
+use crate::state::Workbench;
+use crate::summary::{Summary, Warnings};
+use crate::table::ViewsTable;
+
+/// The result screen.
+#[component]
+pub(crate) fn ResultScreen() -> impl IntoView {
+    let workbench = Workbench::get();
+    let is_measured = Memo::new(move |_| workbench.outcome.with(Option::is_some));
+    view! {
+        <div class="result" class:waiting=move || !is_measured.get()>
+            <Show when=move || is_measured.get()>
+                <Scene />
+            </Show>
+            <div class="side">
+                <Show when=move || is_measured.get()>
+                    <Summary />
+                </Show>
+                <IndexPanel />
+                <Show when=move || is_measured.get()>
+                    <Warnings />
+                    <Downloads />
+                </Show>
+            </div>
+            <Show when=move || is_measured.get()>
+                <ViewsTable />
+                <Pictures />
+            </Show>
+        </div>
+    }
+}

@@ -1,0 +1,216 @@
+//! A hand: the page's side of one worker. Ask it, await the answer; drop it, and the worker ends at once.
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use futures::channel::oneshot;
+use js_sys::Array;
+use snellius::pipeline::Settings;
+use snellius::spots::Spots;
+use wasm_bindgen::prelude::*;
+use web_sys::{
+    Blob, BlobPropertyBag, ErrorEvent, MessageEvent, Url, Worker, WorkerOptions, WorkerType,
+};
+
+use super::messages::{Answer, FileKind, PictureSet, Question, READY, Reply, Request};
+use super::problem::Problem;
+use super::report::{Facts, Outcome};
+
+type Answered = Result<Reply, Problem>;
+type Listener<E> = Closure<dyn FnMut(E)>;
+
+/// The page's side of one worker.
+pub(crate) struct Hand {
+    worker: Worker,
+    /// The worker's own script, as long as it is needed.
+    script: String,
+    open_questions: OpenQuestions,
+    last_number: Cell<u32>,
+    /// Kept as long as the worker may call it.
+    _on_message: Listener<MessageEvent>,
+    /// Likewise.
+    _on_error: Listener<ErrorEvent>,
+}
+
+impl Drop for Hand {
+    fn drop(&mut self) {
+        self.worker.set_onmessage(None);
+        self.worker.set_onerror(None);
+        self.worker.terminate();
+        let _ = Url::revoke_object_url(&self.script);
+    }
+}
+
+impl Hand {
+    /// Starts a worker and waits until it is there.
+    pub(crate) async fn start() -> Result<Self, Problem> {
+        let hand = Self::new().map_err(|e| {
+            Problem::own(format!("The browser did not start a worker: {}", text(&e)))
+        })?;
+        match hand.open_questions.add(READY).await {
+            Ok(Ok(Reply::Ready)) => Ok(hand),
+            Ok(Err(problem)) => Err(problem),
+            _ => Err(unexpected()),
+        }
+    }
+
+    fn new() -> Result<Self, JsValue> {
+        let (worker, script) = start_worker()?;
+        let open_questions = OpenQuestions::default();
+        let questions = open_questions.clone();
+        let on_message =
+            Closure::<dyn FnMut(_)>::new(move |event: MessageEvent| questions.receive(&event));
+        let questions = open_questions.clone();
+        let on_error = Closure::<dyn FnMut(_)>::new(move |event: ErrorEvent| {
+            event.prevent_default();
+            questions.fail_all(&format!("A worker stopped: {}", event.message()));
+        });
+        worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
+        worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
+        Ok(Self {
+            worker,
+            script,
+            open_questions,
+            last_number: Cell::new(READY),
+            _on_message: on_message,
+            _on_error: on_error,
+        })
+    }
+
+    /// Has the worker open an archive.
+    pub(crate) async fn open(&self, file: &Blob) -> Result<Facts, Problem> {
+        match self.ask(Request::Open(file.clone())).await? {
+            Reply::Opened(facts) => Ok(*facts),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it find the spots of a view.
+    pub(crate) async fn observe(&self, view: usize, settings: Settings) -> Result<Spots, Problem> {
+        match self.ask(Request::Observe { view, settings }).await? {
+            Reply::Observed(spots) => Ok(spots),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Gives it the spots of all views to keep.
+    pub(crate) async fn keep(&self, spots: Vec<Spots>) -> Result<(), Problem> {
+        match self.ask(Request::Keep(spots)).await? {
+            Reply::Kept => Ok(()),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it measure vessel and object from the spots it keeps.
+    pub(crate) async fn measure(&self, settings: Settings) -> Result<Outcome, Problem> {
+        match self.ask(Request::Measure(settings)).await? {
+            Reply::Measured(outcome) => Ok(*outcome),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it decode the pictures of a view.
+    pub(crate) async fn pictures(&self, view: usize) -> Result<PictureSet, Problem> {
+        match self.ask(Request::Pictures { view }).await? {
+            Reply::Pictures(pictures) => Ok(pictures),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it write a file.
+    pub(crate) async fn write(&self, kind: FileKind) -> Result<String, Problem> {
+        match self.ask(Request::Write(kind)).await? {
+            Reply::Written(text) => Ok(text),
+            _ => Err(unexpected()),
+        }
+    }
+
+    async fn ask(&self, request: Request) -> Answered {
+        let number = self.last_number.get() + 1;
+        self.last_number.set(number);
+        let answer = self.open_questions.add(number);
+        let question = serde_wasm_bindgen::to_value(&Question { number, request })
+            .map_err(|e| Problem::own(e.to_string()))?;
+        self.worker
+            .post_message(&question)
+            .map_err(|e| Problem::own(text(&e)))?;
+        answer.await.unwrap_or_else(|_| Err(unexpected()))
+    }
+}
+
+/// Who waits for which answer.
+#[derive(Clone, Default)]
+struct OpenQuestions(Rc<RefCell<HashMap<u32, oneshot::Sender<Answered>>>>);
+
+impl OpenQuestions {
+    fn add(&self, number: u32) -> oneshot::Receiver<Answered> {
+        let (sender, receiver) = oneshot::channel();
+        self.0.borrow_mut().insert(number, sender);
+        receiver
+    }
+
+    fn receive(&self, event: &MessageEvent) {
+        match serde_wasm_bindgen::from_value(event.data()) {
+            Ok(Answer {
+                reply: Reply::Panicked(panic),
+                ..
+            }) => self.fail_all(&panic),
+            Ok(Answer { number, reply }) => self.answer(number, reply),
+            Err(error) => self.fail_all(&error.to_string()),
+        }
+    }
+
+    fn answer(&self, number: u32, reply: Reply) {
+        let Some(waiting) = self.0.borrow_mut().remove(&number) else {
+            return;
+        };
+        // Whoever asked may have given up by now.
+        let _ = waiting.send(match reply {
+            Reply::Refused(problem) => Err(problem),
+            reply => Ok(reply),
+        });
+    }
+
+    fn fail_all(&self, cause: &str) {
+        for (_, waiting) in self.0.take() {
+            let _ = waiting.send(Err(Problem::own(cause)));
+        }
+    }
+}
+
+fn unexpected() -> Problem {
+    Problem::own("A worker did not answer what it was asked.")
+}
+
+fn text(error: &JsValue) -> String {
+    error
+        .dyn_ref::<js_sys::Error>()
+        .map_or_else(|| format!("{error:?}"), |error| error.message().into())
+}
+
+#[wasm_bindgen]
+extern "C" {
+    /// Where the script lies that started this program; the worker imports the same.
+    #[wasm_bindgen(thread_local_v2, js_namespace = ["import", "meta"], js_name = url)]
+    static SCRIPT: String;
+}
+
+/// Starts the same program in a worker: a small module imports the page's script and gives it the
+/// WebAssembly that the page has compiled already, so nothing is fetched or compiled again.
+fn start_worker() -> Result<(Worker, String), JsValue> {
+    let script = SCRIPT.with(|url| js_sys::JSON::stringify(&url.into()))?;
+    let source = format!(
+        "import init from {script};\n\
+         onmessage = ({{ data }}) => {{ onmessage = null; init({{ module_or_path: data }}); }};\n"
+    );
+    let kind = BlobPropertyBag::new();
+    kind.set_type("text/javascript");
+    let module = Blob::new_with_str_sequence_and_options(&Array::of1(&source.into()), &kind)?;
+    let address = Url::create_object_url_with_blob(&module)?;
+    let options = WorkerOptions::new();
+    options.set_type(WorkerType::Module);
+    let worker = Worker::new_with_options(&address, &options)?;
+    worker.post_message(&wasm_bindgen::module())?;
+    Ok((worker, address))
+}

@@ -1,0 +1,116 @@
+//! What the page and its workers say to each other.
+//!
+//! Every question carries a number and is answered once under the same number, so an answer that comes
+//! late, from a run that was given up, finds nobody waiting.
+
+use js_sys::{Array, Uint8ClampedArray};
+use serde::{Deserialize, Serialize};
+use snellius::pipeline::Settings;
+use snellius::spots::Spots;
+use wasm_bindgen::JsValue;
+use web_sys::Blob;
+
+use super::problem::Problem;
+use super::report::{Facts, Outcome};
+
+/// A question with its number.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Question {
+    pub(crate) number: u32,
+    pub(crate) request: Request,
+}
+
+/// An answer, under the question's number.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Answer {
+    pub(crate) number: u32,
+    pub(crate) reply: Reply,
+}
+
+/// The number of the answer that a worker gives unasked once it is there.
+pub(crate) const READY: u32 = 0;
+
+/// What a worker can be asked.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum Request {
+    /// Open an archive; everything after is about it. Answered by `Opened`.
+    Open(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
+    /// Find the spots of a view. Answered by `Observed`.
+    Observe { view: usize, settings: Settings },
+    /// Keep the spots of all views. Answered by `Kept`.
+    Keep(Vec<Spots>),
+    /// Measure vessel and object from the spots kept. Answered by `Measured`.
+    Measure(Settings),
+    /// Decode the pictures of a view. Answered by `Pictures`.
+    Pictures { view: usize },
+    /// Write a file from what was measured last. Answered by `Written`.
+    Write(FileKind),
+}
+
+/// What a worker answers.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum Reply {
+    /// The worker runs.
+    Ready,
+    Opened(Box<Facts>),
+    Observed(Spots),
+    Kept,
+    Measured(Box<Outcome>),
+    Pictures(PictureSet),
+    Written(String),
+    /// The input is at fault; the worker goes on.
+    Refused(Problem),
+    /// The worker is at fault, and is no more.
+    Panicked(String),
+}
+
+impl Reply {
+    /// What of the answer changes hands without being copied.
+    pub(crate) fn transfer(&self) -> Array {
+        match self {
+            Self::Pictures(set) => set.buffers(),
+            _ => Array::new(),
+        }
+    }
+}
+
+/// A file that can be saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum FileKind {
+    Result,
+    Object,
+    Vessel,
+    Table,
+}
+
+/// The pictures of a view, ready to be shown: RGBA, row by row.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct PictureSet {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) on: Uint8ClampedArray,
+    /// Missing if no picture was taken with the laser off.
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) off: JsValue,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) difference: Uint8ClampedArray,
+    /// The difference at which the colours end, grey values.
+    pub(crate) difference_limit: f64,
+}
+
+impl PictureSet {
+    fn buffers(&self) -> Array {
+        let buffers = Array::of2(&self.on.buffer(), &self.difference.buffer());
+        if let Some(off) = self.off() {
+            buffers.push(&off.buffer());
+        }
+        buffers
+    }
+
+    /// The picture with the laser off, if there is one.
+    pub(crate) fn off(&self) -> Option<Uint8ClampedArray> {
+        use wasm_bindgen::JsCast;
+        self.off.clone().dyn_into().ok()
+    }
+}

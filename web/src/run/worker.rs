@@ -1,0 +1,126 @@
+//! The worker's side: answers one question after another about the archive it was told to open.
+
+use std::cell::RefCell;
+use std::io::BufReader;
+
+use js_sys::Array;
+use snellius::export::{ReconstructionResult, object_ply, points_csv, vessel_ply};
+use snellius::pipeline::{Settings, observe, reconstruct};
+use snellius::scan::Archive;
+use snellius::spots::Spots;
+use wasm_bindgen::prelude::*;
+use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
+
+use super::blob_reader::BlobReader;
+use super::develop::develop;
+use super::messages::{Answer, FileKind, Question, READY, Reply, Request};
+use super::problem::Problem;
+use super::report::{Facts, Outcome};
+
+/// How much of the file is read at a time: one request to the browser for a usual picture, and no more
+/// than it may keep.
+const READ_AHEAD: usize = 256 << 10;
+
+type OpenArchive = Archive<BufReader<BlobReader>>;
+
+/// What a worker remembers between questions.
+#[derive(Default)]
+struct Desk {
+    archive: Option<OpenArchive>,
+    spots: Vec<Spots>,
+    result: Option<ReconstructionResult>,
+}
+
+thread_local! {
+    static DESK: RefCell<Desk> = RefCell::default();
+    /// The number of the question at work, for the message in case of a panic.
+    static AT_WORK: std::cell::Cell<u32> = const { std::cell::Cell::new(READY) };
+}
+
+/// Starts answering.
+pub(crate) fn start(scope: &DedicatedWorkerGlobalScope) {
+    std::panic::set_hook(Box::new(|panic| {
+        web_sys::console::error_1(&panic.to_string().into());
+        answer(AT_WORK.get(), Reply::Panicked(panic.to_string()));
+    }));
+    let listen = Closure::<dyn FnMut(MessageEvent)>::new(|event: MessageEvent| {
+        let question: Question = serde_wasm_bindgen::from_value(event.data())
+            .expect("the page and its workers are one program");
+        AT_WORK.set(question.number);
+        let reply = DESK.with_borrow_mut(|desk| desk.reply(question.request));
+        answer(question.number, reply.unwrap_or_else(Reply::Refused));
+    });
+    scope.set_onmessage(Some(listen.as_ref().unchecked_ref()));
+    listen.forget();
+    answer(READY, Reply::Ready);
+}
+
+fn answer(number: u32, reply: Reply) {
+    let transfer = reply.transfer();
+    let Ok(message) = serde_wasm_bindgen::to_value(&Answer { number, reply }) else {
+        return;
+    };
+    let scope: DedicatedWorkerGlobalScope = js_sys::global().unchecked_into();
+    post(&scope, &message, &transfer);
+}
+
+fn post(scope: &DedicatedWorkerGlobalScope, message: &JsValue, transfer: &Array) {
+    if let Err(error) = scope.post_message_with_transfer(message, transfer) {
+        web_sys::console::error_1(&error);
+    }
+}
+
+impl Desk {
+    fn reply(&mut self, request: Request) -> Result<Reply, Problem> {
+        match request {
+            Request::Open(file) => self.open(file),
+            Request::Observe { view, settings } => {
+                Ok(Reply::Observed(observe(self.archive()?, view, &settings)?))
+            }
+            Request::Keep(spots) => {
+                self.spots = spots;
+                Ok(Reply::Kept)
+            }
+            Request::Measure(settings) => self.measure(&settings),
+            Request::Pictures { view } => {
+                Ok(Reply::Pictures(develop(&self.archive()?.pictures(view)?)))
+            }
+            Request::Write(kind) => self.write(kind),
+        }
+    }
+
+    fn open(&mut self, file: Blob) -> Result<Reply, Problem> {
+        let reader = BlobReader::new(file)
+            .map_err(|e| Problem::own(format!("The browser gives no file reader: {e:?}")))?;
+        let archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
+        let facts = Facts::of(archive.scan());
+        self.archive = Some(archive);
+        Ok(Reply::Opened(Box::new(facts)))
+    }
+
+    fn measure(&mut self, settings: &Settings) -> Result<Reply, Problem> {
+        let scan = self.archive()?.scan().clone();
+        let reconstruction = reconstruct(&scan, &self.spots, settings)?;
+        let outcome = Outcome::of(&reconstruction);
+        self.result = Some(reconstruction.result());
+        Ok(Reply::Measured(Box::new(outcome)))
+    }
+
+    fn write(&self, kind: FileKind) -> Result<Reply, Problem> {
+        let result = self.result.as_ref().ok_or_else(out_of_order)?;
+        Ok(Reply::Written(match kind {
+            FileKind::Result => result.to_json(),
+            FileKind::Object => object_ply(result),
+            FileKind::Vessel => vessel_ply(result),
+            FileKind::Table => points_csv(result),
+        }))
+    }
+
+    fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {
+        self.archive.as_mut().ok_or_else(out_of_order)
+    }
+}
+
+fn out_of_order() -> Problem {
+    Problem::own("A worker was asked before it had what the question is about.")
+}

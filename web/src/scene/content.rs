@@ -1,0 +1,270 @@
+//! What is to be seen of a measured scan, as points, lines and faces.
+
+use std::sync::Arc;
+
+use three_d::{InnerSpace, Vec3, vec3};
+
+use super::faces::Face;
+use super::grid::Grid;
+use super::labels::Label;
+use super::lines::{Line, chain};
+use super::orbit::Orbit;
+use super::palette::Palette;
+use super::patch::Patch;
+use super::points::ScenePoint;
+use crate::colours::Scale;
+use crate::run::{Facts, Outcome, Place, StationFacts};
+use crate::state::ColourBy;
+
+/// What is to be seen. Empty until a scan is measured.
+#[derive(Default)]
+pub(super) struct Content {
+    measured: Option<(Arc<Facts>, Arc<Outcome>)>,
+    /// The object's points in their colours.
+    pub(super) object: Vec<ScenePoint>,
+    /// The view that is chosen.
+    pub(super) chosen: Option<usize>,
+    patch: Option<Patch>,
+    grid: Option<Grid>,
+}
+
+impl Content {
+    pub(super) fn new(
+        facts: Arc<Facts>,
+        outcome: Arc<Outcome>,
+        by: ColourBy,
+        chosen: Option<usize>,
+    ) -> Self {
+        let object = object_points(&facts, &outcome, by);
+        let up = up(&facts);
+        let patch = Patch::new(&outcome.wall, &vessel_places(&outcome), up);
+        let mut content = Self {
+            object,
+            chosen,
+            patch: Some(patch),
+            grid: None,
+            measured: Some((facts, outcome)),
+        };
+        content.grid = Grid::below(&content.extent(), up, content.front_direction());
+        content
+    }
+
+    /// Everything that was measured, to be got into the picture.
+    pub(super) fn extent(&self) -> Vec<Vec3> {
+        let object = self.object.iter().flat_map(|p| [p.place, p.unrefracted]);
+        let wall = self.patch.iter().flat_map(Patch::places);
+        object.chain(wall).collect()
+    }
+
+    /// As [`Content::extent`], with the rig's stations.
+    pub(super) fn whole_extent(&self) -> Vec<Vec3> {
+        let stations = self.facts().into_iter().flat_map(|f| f.stations.iter());
+        let rig = stations.flat_map(|s| [vector(s.camera), vector(s.laser)]);
+        self.extent().into_iter().chain(rig).collect()
+    }
+
+    /// A camera beside the rig.
+    pub(super) fn front(&self) -> Orbit {
+        match &self.measured {
+            Some((facts, _)) => Orbit::facing(up(facts), self.front_direction()),
+            None => Orbit::default(),
+        }
+    }
+
+    /// From the scene towards the rig, across up.
+    fn front_direction(&self) -> Vec3 {
+        let Some((facts, _)) = &self.measured else {
+            return vec3(0.0, 0.0, -1.0);
+        };
+        let up = up(facts);
+        let back = -mean(facts, |station| station.ahead);
+        let level = back - up * back.dot(up);
+        // A rig that looks straight down has no front; any will do.
+        if level.magnitude() > 0.05 {
+            level.normalize()
+        } else {
+            up.cross(vec3(0.6, 0.0, 0.8)).normalize()
+        }
+    }
+
+    pub(super) fn vessel_points(&self, palette: &Palette) -> Vec<ScenePoint> {
+        let views = self
+            .outcome()
+            .into_iter()
+            .flat_map(|o| o.views.iter().enumerate());
+        views
+            .filter_map(|(view, outcome)| {
+                let place = vector(outcome.result.vessel?);
+                Some(ScenePoint {
+                    view,
+                    place,
+                    unrefracted: place,
+                    colour: palette.vessel_point,
+                })
+            })
+            .collect()
+    }
+
+    /// Cameras and the wall's edges.
+    pub(super) fn solid_lines(&self, palette: &Palette) -> Vec<Line> {
+        let size = self.station_size();
+        let stations = self.facts().into_iter().flat_map(|f| f.stations.iter());
+        let cameras = stations.flat_map(|s| camera_lines(s, size, palette.station));
+        let edges = self.patch.iter().flat_map(|p| p.edges(palette.wall_edge));
+        cameras.chain(edges).collect()
+    }
+
+    /// The grid, and the beams up to the wall.
+    pub(super) fn faint_lines(&self, palette: &Palette) -> Vec<Line> {
+        let grid = self.grid.iter().flat_map(|g| g.lines(palette.grid));
+        let beams = self.measured.iter().flat_map(|(facts, outcome)| {
+            let views = facts.stations.iter().zip(&outcome.views);
+            views.filter_map(|(station, view)| {
+                let wall = vector(view.result.vessel?);
+                let laser = vector(station.laser);
+                Some(Line::new(laser, wall, palette.station_beam))
+            })
+        });
+        grid.chain(beams).collect()
+    }
+
+    pub(super) fn wall_faces(&self, palette: &Palette) -> Vec<Face> {
+        let faces = self.patch.iter().flat_map(|p| p.faces(palette.wall));
+        faces.collect()
+    }
+
+    pub(super) fn labels(&self) -> Vec<Label> {
+        self.grid.iter().flat_map(Grid::labels).collect()
+    }
+
+    /// A ring around the chosen view's point.
+    pub(super) fn marker(&self, palette: &Palette) -> Vec<ScenePoint> {
+        let chosen = self.object.iter().filter(|p| Some(p.view) == self.chosen);
+        chosen
+            .map(|point| ScenePoint {
+                colour: palette.marker,
+                ..*point
+            })
+            .collect()
+    }
+
+    /// The light of the chosen view, on the way from straight (0) to bent (1).
+    pub(super) fn chosen_light(&self, palette: &Palette, refraction: f32) -> Vec<Line> {
+        let Some((_, outcome)) = &self.measured else {
+            return Vec::new();
+        };
+        let Some(view) = self.chosen.and_then(|view| outcome.views.get(view)) else {
+            return Vec::new();
+        };
+        let bend = |path: &[Place], colour| {
+            let bent: Vec<Vec3> = path.iter().copied().map(vector).collect();
+            let places = straightened(&bent, view.unrefracted.map(vector), refraction);
+            chain(&places, colour).collect::<Vec<_>>()
+        };
+        [
+            bend(&view.beam, palette.beam),
+            bend(&view.sight, palette.sight),
+        ]
+        .concat()
+    }
+
+    /// Stations are drawn large enough to be seen and small enough not to hide each other.
+    fn station_size(&self) -> f32 {
+        let Some(facts) = self.facts() else {
+            return 1.0;
+        };
+        let places: Vec<Vec3> = facts.stations.iter().map(|s| vector(s.camera)).collect();
+        let steps = places
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).magnitude());
+        let mut steps: Vec<f32> = steps.collect();
+        steps.sort_by(f32::total_cmp);
+        let usual = steps.get(steps.len() / 2).copied().unwrap_or(20.0);
+        (usual * 1.4).clamp(6.0, 30.0)
+    }
+
+    fn facts(&self) -> Option<&Facts> {
+        self.measured.as_ref().map(|(facts, _)| facts.as_ref())
+    }
+
+    fn outcome(&self) -> Option<&Outcome> {
+        self.measured.as_ref().map(|(_, outcome)| outcome.as_ref())
+    }
+}
+
+fn object_points(facts: &Facts, outcome: &Outcome, by: ColourBy) -> Vec<ScenePoint> {
+    let scale = Scale::of(facts, outcome, by);
+    let views = outcome.views.iter().enumerate();
+    views
+        .filter_map(|(view, measured)| {
+            let place = vector(measured.result.object?);
+            let [red, green, blue] = scale.colour(facts, outcome, by, view)?;
+            let part = |value: u8| f32::from(value) / 255.0;
+            Some(ScenePoint {
+                view,
+                place,
+                unrefracted: measured.unrefracted.map_or(place, vector),
+                colour: [part(red), part(green), part(blue), 1.0],
+            })
+        })
+        .collect()
+}
+
+/// Light through the faces, drawn towards the straight line to `straight_end` as refraction goes.
+fn straightened(bent: &[Vec3], straight_end: Option<Vec3>, refraction: f32) -> Vec<Vec3> {
+    let (Some(&start), Some(&end)) = (bent.first(), bent.last()) else {
+        return Vec::new();
+    };
+    let straight_end = straight_end.unwrap_or(end);
+    let length = (end - start).magnitude().max(f32::EPSILON);
+    let place = |at: &Vec3| {
+        let part = (*at - start).magnitude() / length;
+        let straight = start + (straight_end - start) * part;
+        straight + (*at - straight) * refraction
+    };
+    bent.iter().map(place).collect()
+}
+
+/// A pyramid from the camera's centre over the picture's corners, with a tick upwards; and the laser.
+fn camera_lines(station: &StationFacts, size: f32, colour: [f32; 4]) -> Vec<Line> {
+    let eye = vector(station.camera);
+    let corners = station.corners.map(|c| eye + (vector(c) - eye) * size);
+    let [top_left, top_right, bottom_right, bottom_left] = corners;
+    let rays = corners.map(|corner| Line::new(eye, corner, colour));
+    let frame = [top_left, top_right, bottom_right, bottom_left, top_left];
+    let up = -vector(station.down) * (0.25 * size);
+    let peak = (top_left + top_right) * 0.5 + up;
+    let roof = [top_left, peak, top_right];
+    rays.into_iter()
+        .chain(chain(&frame, colour))
+        .chain(chain(&roof, colour))
+        .collect()
+}
+
+/// The scene's up: against the pictures' down, on the average.
+fn up(facts: &Facts) -> Vec3 {
+    let down = mean(facts, |station| station.down);
+    if down.magnitude() > 0.05 {
+        -down.normalize()
+    } else {
+        vec3(0.0, -1.0, 0.0)
+    }
+}
+
+fn mean(facts: &Facts, of: impl Fn(&StationFacts) -> Place) -> Vec3 {
+    let stations = facts.stations.iter();
+    let sum = stations.fold(vec3(0.0, 0.0, 0.0), |sum, station| {
+        sum + vector(of(station))
+    });
+    sum / facts.stations.len().max(1) as f32
+}
+
+fn vessel_places(outcome: &Outcome) -> Vec<Vec3> {
+    let places = outcome.views.iter().filter_map(|view| view.result.vessel);
+    places.map(vector).collect()
+}
+
+/// A place as the graphics card takes it.
+pub(super) fn vector([x, y, z]: Place) -> Vec3 {
+    vec3(x as f32, y as f32, z as f32)
+}

@@ -1,0 +1,347 @@
+//! The stage: a WebGL2 canvas, what stands on it, and the camera that looks at it. It draws when
+//! something has changed, and only then.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+use std::sync::Arc;
+
+use three_d::{ClearState, Context, CoreError, RenderTarget, Vec2, Vec3, Viewport};
+use wasm_bindgen::prelude::*;
+use web_sys::{
+    HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
+    WebglLoseContext,
+};
+
+use super::content::Content;
+use super::faces::Faces;
+use super::labels::Labels;
+use super::lines::Lines;
+use super::orbit::Orbit;
+use super::palette::Palette;
+use super::points::{PointStyle, Points};
+
+/// Why there is no stage.
+#[derive(Debug)]
+pub(super) struct NoStage;
+
+impl From<CoreError> for NoStage {
+    fn from(error: CoreError) -> Self {
+        web_sys::console::warn_1(&error.to_string().into());
+        Self
+    }
+}
+
+type FrameListener = Closure<dyn FnMut(f64)>;
+
+/// A handle on the stage; copies mean the same one.
+#[derive(Clone)]
+pub(super) struct Stage(Rc<Inner>);
+
+struct Inner {
+    canvas: HtmlCanvasElement,
+    context: Context,
+    set: RefCell<Set>,
+    labels: Labels,
+    orbit: Cell<Orbit>,
+    /// 0: without refraction, 1: with.
+    refraction: Cell<f32>,
+    /// What the refraction is on its way to.
+    wanted_refraction: Cell<f32>,
+    /// What the picture was last fitted to, until a hand moves the camera.
+    fitted: Cell<Option<Subject>>,
+    frame_asked_for: Cell<bool>,
+    last_frame: Cell<f64>,
+    on_frame: RefCell<Option<FrameListener>>,
+}
+
+/// What can fill the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Subject {
+    /// The object and the wall before it.
+    Measured,
+    /// These and the rig.
+    WholeSetUp,
+}
+
+/// What stands on the stage, in graphics memory.
+struct Set {
+    content: Content,
+    palette: Palette,
+    object: Points,
+    vessel: Points,
+    marker: Points,
+    solid: Lines,
+    faint: Lines,
+    chosen_light: Lines,
+    wall: Faces,
+}
+
+impl Stage {
+    pub(super) fn new(canvas: HtmlCanvasElement, labels: HtmlElement) -> Result<Self, NoStage> {
+        let context = graphics(&canvas)?;
+        let set = Set {
+            content: Content::default(),
+            palette: Palette::of_the_system(),
+            object: Points::new(&context)?,
+            vessel: Points::new(&context)?,
+            marker: Points::new(&context)?,
+            solid: Lines::new(&context)?,
+            faint: Lines::new(&context)?,
+            chosen_light: Lines::new(&context)?,
+            wall: Faces::new(&context)?,
+        };
+        let stage = Self(Rc::new(Inner {
+            canvas,
+            context,
+            set: RefCell::new(set),
+            labels: Labels::new(labels),
+            orbit: Cell::new(Orbit::default()),
+            refraction: Cell::new(1.0),
+            wanted_refraction: Cell::new(1.0),
+            fitted: Cell::new(None),
+            frame_asked_for: Cell::new(false),
+            last_frame: Cell::new(0.0),
+            on_frame: RefCell::new(None),
+        }));
+        let handle = stage.clone();
+        let on_frame = Closure::new(move |time: f64| handle.frame(time));
+        stage.0.on_frame.replace(Some(on_frame));
+        Ok(stage)
+    }
+
+    /// Lets go of itself and of the graphics context: a browser gives but a few of them at a time.
+    pub(super) fn close(&self) {
+        self.0.on_frame.replace(None);
+        let graphics = self.0.canvas.get_context("webgl2").ok().flatten();
+        let loss = graphics
+            .and_then(|context| context.dyn_into::<WebGl2RenderingContext>().ok())
+            .and_then(|context| context.get_extension("WEBGL_lose_context").ok().flatten());
+        if let Some(loss) = loss {
+            loss.unchecked_into::<WebglLoseContext>().lose_context();
+        }
+    }
+
+    /// Puts other things on the stage.
+    pub(super) fn show(&self, content: Content) {
+        let set = &mut *self.0.set.borrow_mut();
+        let palette = Palette::of_the_system();
+        set.object.fill(&content.object);
+        set.vessel.fill(&content.vessel_points(&palette));
+        set.solid.fill(&content.solid_lines(&palette));
+        set.faint.fill(&content.faint_lines(&palette));
+        set.wall.fill(&content.wall_faces(&palette));
+        self.0.labels.fill(content.labels());
+        set.palette = palette;
+        set.content = content;
+        self.draw_soon();
+    }
+
+    /// Marks a view's point and draws its light.
+    pub(super) fn choose(&self, view: Option<usize>) {
+        self.0.set.borrow_mut().content.chosen = view;
+        self.draw_soon();
+    }
+
+    /// Goes over to the object with or without refraction, in steps if motion is welcome.
+    pub(super) fn refract(&self, refraction: bool, at_once: bool) {
+        let wanted = f32::from(u8::from(refraction));
+        self.0.wanted_refraction.set(wanted);
+        if at_once {
+            self.0.refraction.set(wanted);
+        }
+        self.draw_soon();
+    }
+
+    /// Moves the camera by hand.
+    pub(super) fn turn(&self, change: impl FnOnce(&mut Orbit)) {
+        self.0.fitted.set(None);
+        let mut orbit = self.0.orbit.get();
+        change(&mut orbit);
+        self.0.orbit.set(orbit);
+        self.draw_soon();
+    }
+
+    /// Looks from beside the rig at what was measured.
+    pub(super) fn face_front(&self) {
+        let front = self.0.set.borrow().content.front();
+        self.0.orbit.set(front);
+        self.fit(Subject::Measured);
+    }
+
+    /// Moves the camera until the subject fills the picture; as long as no hand moves the camera, it
+    /// does so in a picture of another size too.
+    pub(super) fn fit(&self, subject: Subject) {
+        let places = {
+            let content = &self.0.set.borrow().content;
+            match subject {
+                Subject::Measured => content.extent(),
+                Subject::WholeSetUp => content.whole_extent(),
+            }
+        };
+        let aspect = self.aspect();
+        self.turn(|orbit| orbit.fit(&places, aspect));
+        self.0.fitted.set(Some(subject));
+    }
+
+    /// The view whose object point is nearest to a place of the canvas (CSS px), if one is near.
+    pub(super) fn view_at(&self, place: Vec2) -> Option<usize> {
+        const REACH: f32 = 14.0;
+        let size = self.css_size();
+        let camera = self.0.orbit.get().camera(self.viewport());
+        let matrix = camera.projection() * camera.view();
+        let set = self.0.set.borrow();
+        let distance = |at: Vec3| {
+            let clip = matrix * at.extend(1.0);
+            let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+            let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
+            (clip.w > 0.0).then(|| (x - place.x).hypot(y - place.y))
+        };
+        let points = set.content.object.iter();
+        points
+            .filter_map(|p| Some((distance(p.between(self.0.refraction.get()))?, p.view)))
+            .filter(|(distance, _)| *distance <= REACH)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, view)| view)
+    }
+
+    /// The canvas's size, CSS px.
+    pub(super) fn css_size(&self) -> Vec2 {
+        let canvas = &self.0.canvas;
+        Vec2::new(
+            canvas.client_width().max(1) as f32,
+            canvas.client_height().max(1) as f32,
+        )
+    }
+
+    fn aspect(&self) -> f32 {
+        let size = self.css_size();
+        size.x / size.y
+    }
+
+    fn viewport(&self) -> Viewport {
+        Viewport::new_at_origo(self.0.canvas.width().max(1), self.0.canvas.height().max(1))
+    }
+
+    /// Asks for a frame; asking twice gives one.
+    pub(super) fn draw_soon(&self) {
+        if self.0.frame_asked_for.replace(true) {
+            return;
+        }
+        if let (Some(window), Some(on_frame)) = (web_sys::window(), &*self.0.on_frame.borrow()) {
+            let _ = window.request_animation_frame(on_frame.as_ref().unchecked_ref());
+        }
+    }
+
+    fn frame(&self, time: f64) {
+        self.0.frame_asked_for.set(false);
+        let moving = self.step_refraction(time);
+        self.match_resolution();
+        self.draw();
+        if moving {
+            self.draw_soon();
+        } else {
+            self.0.last_frame.set(0.0);
+        }
+    }
+
+    /// A step of the way between without and with refraction; true while there is a way to go.
+    fn step_refraction(&self, time: f64) -> bool {
+        const MILLISECONDS: f64 = 450.0;
+        let (now, wanted) = (self.0.refraction.get(), self.0.wanted_refraction.get());
+        if now == wanted {
+            return false;
+        }
+        let last = self.0.last_frame.replace(time);
+        let passed = if last == 0.0 { 0.0 } else { time - last };
+        let step = (passed / MILLISECONDS) as f32;
+        let left = wanted - now;
+        self.0.refraction.set(if left.abs() <= step {
+            wanted
+        } else {
+            now + step.copysign(left)
+        });
+        true
+    }
+
+    /// As many pixels as the screen has.
+    fn match_resolution(&self) {
+        let ratio = web_sys::window().map_or(1.0, |w| w.device_pixel_ratio()) as f32;
+        let size = self.css_size() * ratio;
+        let (width, height) = (size.x.round() as u32, size.y.round() as u32);
+        let canvas = &self.0.canvas;
+        if canvas.width() != width || canvas.height() != height {
+            canvas.set_width(width);
+            canvas.set_height(height);
+            if let Some(subject) = self.0.fitted.get() {
+                self.fit(subject);
+            }
+        }
+    }
+
+    fn draw(&self) {
+        let viewport = self.viewport();
+        let camera = self.0.orbit.get().camera(viewport);
+        let matrix = camera.projection() * camera.view();
+        let scale = viewport.width as f32 / self.css_size().x;
+        let refraction = smooth(self.0.refraction.get());
+        let set = &mut *self.0.set.borrow_mut();
+        let palette = set.palette;
+        set.marker.fill(&set.content.marker(&palette));
+        set.chosen_light
+            .fill(&set.content.chosen_light(&palette, refraction));
+
+        let object = PointStyle {
+            size: 9.0 * scale,
+            rim: palette.rim,
+            refraction,
+            ring: false,
+        };
+        let vessel = PointStyle {
+            size: 4.5 * scale,
+            ..object
+        };
+        let marker = PointStyle {
+            size: 19.0 * scale,
+            ring: true,
+            ..object
+        };
+        let target = RenderTarget::screen(&self.0.context, viewport.width, viewport.height);
+        let [red, green, blue] = palette.background;
+        target.clear(ClearState::color_and_depth(red, green, blue, 1.0, 1.0));
+        let drawn: Result<_, CoreError> = target.write(|| {
+            set.object.draw(matrix, viewport, object);
+            set.vessel.draw(matrix, viewport, vessel);
+            set.solid.draw(matrix, viewport, 1.25 * scale);
+            set.chosen_light.draw(matrix, viewport, 2.25 * scale);
+            set.wall.draw(matrix, viewport);
+            set.faint.draw(matrix, viewport, 1.0 * scale);
+            set.marker.draw(matrix, viewport, marker);
+            Ok(())
+        });
+        if let Err(error) = drawn {
+            web_sys::console::warn_1(&error.to_string().into());
+        }
+        self.0.labels.place(matrix, self.css_size());
+    }
+}
+
+/// Slow at both ends.
+fn smooth(way: f32) -> f32 {
+    way * way * (3.0 - 2.0 * way)
+}
+
+fn graphics(canvas: &HtmlCanvasElement) -> Result<Context, NoStage> {
+    let wishes = WebGlContextAttributes::new();
+    wishes.set_antialias(true);
+    wishes.set_alpha(false);
+    let context = canvas
+        .get_context_with_context_options("webgl2", &wishes)
+        .ok()
+        .flatten()
+        .and_then(|context| context.dyn_into::<WebGl2RenderingContext>().ok())
+        .ok_or(NoStage)?;
+    // three-d wants an `Arc`; nothing of it leaves the main thread.
+    #[allow(clippy::arc_with_non_send_sync)]
+    let shared = Arc::new(glow::Context::from_webgl2_context(context));
+    Ok(Context::from_gl_context(shared)?)
+}
