@@ -54,7 +54,8 @@ struct Samples {
     level_sums: Vec<f64>,
 }
 
-/// A class of brightness: mean grey value, variance of the difference, number of samples.
+/// A class of brightness: mean grey value, variance of the difference, and what that weighs: a variance
+/// of n samples is known to sqrt(2/n) of itself.
 struct Class {
     level: f64,
     variance: f64,
@@ -100,10 +101,14 @@ impl Samples {
         let filled = self.classes.iter().zip(&self.level_sums);
         filled
             .filter(|(class, _)| class.len() >= LEAST_SAMPLES)
-            .map(|(class, sum)| Class {
-                level: sum / class.len() as f64,
-                variance: clipped_variance(class, offset).max(ROUNDING),
-                weight: class.len() as f64,
+            .map(|(class, sum)| {
+                let count = class.len() as f64;
+                let variance = clipped_variance(class, offset).max(ROUNDING);
+                Class {
+                    level: sum / count,
+                    variance,
+                    weight: count / (variance * variance),
+                }
             })
             .collect()
     }
