@@ -30,7 +30,7 @@ fn light_through_the_wall_of_the_paper_bends_as_other_programs_say() {
                 index_behind: 1.5,
             },
             Interface {
-                surface: outer.behind(2.1),
+                surface: outer.behind(2.1).unwrap(),
                 index_behind: 1.33,
             },
         ],
