@@ -88,21 +88,26 @@ fn shape(face: &Face) -> Vec<Number> {
             "Of the wall's outer face",
         )
     };
-    match *face {
+    match face {
+        Face::Freeform(_) => vec![(
+            "Wall shape",
+            "free form".to_owned(),
+            "A smooth wall, as the vessel points show it",
+        )],
         Face::Plane { normal, .. } => vec![(
             "Wall normal",
-            vector(normal),
+            vector(*normal),
             "x y z of the unit vector across the wall, towards the rig",
         )],
         Face::Cylinder { axis, radius, .. } => vec![
-            round(radius),
+            round(*radius),
             (
                 "Axis",
-                vector(axis),
+                vector(*axis),
                 "x y z of the unit vector along the axis",
             ),
         ],
-        Face::Sphere { radius, .. } => vec![round(radius)],
+        Face::Sphere { radius, .. } => vec![round(*radius)],
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 
+use futures::FutureExt;
 use futures::future::{try_join, try_join_all};
 use snellius::pipeline::Settings;
 use snellius::spots::Spots;
@@ -56,18 +57,22 @@ async fn find_all_spots(
     tell: impl Fn(Progress),
 ) -> Result<Vec<Spots>, Problem> {
     let list = WorkList::new(views, tell);
-    let helpers = (1..cores().min(views)).map(|_| async {
-        let helper = Hand::start().await?;
-        helper.open(file).await?;
-        list.work_off(&helper, settings).await;
-        Ok(())
-    });
-    let own = async {
-        list.work_off(first, settings).await;
-        Ok(())
-    };
+    let helpers = (1..cores().min(views)).map(|_| help(&list, file, settings));
+    let own = list.work_off(first, settings).map(Ok);
     try_join(own, try_join_all(helpers)).await?;
     list.spots()
+}
+
+/// Starts one more worker and has it take its part.
+async fn help<T: Fn(Progress)>(
+    list: &WorkList<T>,
+    file: &Blob,
+    settings: Settings,
+) -> Result<(), Problem> {
+    let helper = Hand::start().await?;
+    helper.open(file).await?;
+    list.work_off(&helper, settings).await;
+    Ok(())
 }
 
 /// How many workers: one a core, but no more than memory likes.

@@ -4,6 +4,7 @@ mod blob_reader;
 mod develop;
 mod hand;
 mod job;
+mod mesh;
 mod messages;
 mod problem;
 mod report;
@@ -11,6 +12,7 @@ pub(crate) mod worker;
 
 pub(crate) use hand::Hand;
 pub(crate) use job::{Progress, Run, run};
+pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{FileKind, PictureSet};
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{Face, Facts, Outcome, Place, StationFacts, ViewOutcome, Wall};

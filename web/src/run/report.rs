@@ -2,10 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use snellius::camera::{Pixel, Slope};
-use snellius::export::{ViewResult, WallResult};
+use snellius::export::ViewResult;
 use snellius::geometry::{Camera, Direction, Point, Pose, World};
+use snellius::optics::Surface;
 use snellius::pipeline::{LightPaths, Reconstruction, Summary};
 use snellius::scan::{Scan, sweeps};
+
+use super::mesh::Mesh;
 
 /// A place in the world, mm.
 pub(crate) type Place = [f64; 3];
@@ -62,7 +65,7 @@ pub(crate) struct Outcome {
 }
 
 /// The vessel's wall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Wall {
     /// The outer face.
     pub(crate) face: Face,
@@ -75,7 +78,7 @@ pub(crate) struct Wall {
 }
 
 /// A wall's outer face.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Face {
     /// Flat; the unit normal points towards the rig.
     Plane { point: Place, normal: Place },
@@ -87,6 +90,8 @@ pub(crate) enum Face {
     },
     /// Round about a centre.
     Sphere { centre: Place, radius: f64 },
+    /// Any smooth form.
+    Freeform(Mesh),
 }
 
 /// What a view gave.
@@ -167,7 +172,7 @@ impl Outcome {
     pub(crate) fn of(reconstruction: &Reconstruction) -> Self {
         let result = reconstruction.result();
         let wall = Wall {
-            face: face(&result.vessel.wall),
+            face: face(&reconstruction.vessel.wall),
             thickness: result.vessel.wall_thickness,
             rms: result.vessel.rms,
             points: result.vessel.points,
@@ -185,22 +190,22 @@ impl Outcome {
     }
 }
 
-const fn face(wall: &WallResult) -> Face {
-    match *wall {
-        WallResult::Plane { point, normal } => Face::Plane { point, normal },
-        WallResult::Cylinder {
-            axis_point,
-            axis,
-            radius,
-        } => Face::Cylinder {
-            point: axis_point,
-            axis,
-            radius,
+fn face(wall: &snellius::vessel::Wall) -> Face {
+    match &wall.outer {
+        Surface::Plane(plane) => Face::Plane {
+            point: plane.point.to_array(),
+            normal: plane.normal.vector().into(),
         },
-        WallResult::Sphere { center, radius } => Face::Sphere {
-            centre: center,
-            radius,
+        Surface::Cylinder(cylinder) => Face::Cylinder {
+            point: cylinder.point.to_array(),
+            axis: cylinder.axis.vector().into(),
+            radius: cylinder.radius,
         },
+        Surface::Sphere(sphere) => Face::Sphere {
+            centre: sphere.centre.to_array(),
+            radius: sphere.radius,
+        },
+        Surface::Freeform(freeform) => Face::Freeform(Mesh::of(freeform, wall.thickness)),
     }
 }
 

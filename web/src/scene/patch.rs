@@ -8,71 +8,127 @@ use three_d::{InnerSpace, Vec3, vec3};
 use super::content::vector;
 use super::faces::Face as Triangle;
 use super::lines::{Line, chain};
-use crate::run::{Face, Wall};
+use crate::run::{Face, Mesh, Place, Through, Wall};
 
-/// A slab of wall: rows of places on each face, the same on both.
+/// A slab of wall.
 pub(super) struct Patch {
-    outer: Vec<Vec<Vec3>>,
-    inner: Vec<Vec<Vec3>>,
+    /// Four places of the outer face at a time, and the four behind them.
+    cells: Vec<[Pair; 4]>,
+    /// Once round the slab.
+    rim: Vec<Pair>,
+    /// Where the two faces' rims are joined by a line.
+    corners: Vec<Pair>,
 }
+
+/// A place of the outer face and the one behind it.
+type Pair = [Vec3; 2];
 
 impl Patch {
     /// The slab over the vessel `points`, its rows one above the other as far as the shape allows.
     pub(super) fn new(wall: &Wall, points: &[Vec3], up: Vec3) -> Self {
-        let sheet = Sheet::of(&wall.face, middle(points), up);
+        let seen = middle(points);
+        let sheet = match &wall.face {
+            Face::Plane { point, normal } => {
+                let normal = vector(*normal);
+                Sheet::new(Kind::Flat, *point, upright(normal, up), normal, 0.0)
+            }
+            Face::Cylinder {
+                point,
+                axis,
+                radius,
+            } => {
+                let axis = vector(*axis);
+                let outwards = upright(axis, seen - vector(*point));
+                Sheet::new(Kind::AboutAxis, *point, axis, outwards, *radius)
+            }
+            Face::Sphere { centre, radius } => {
+                let outwards = upright(up, seen - vector(*centre));
+                Sheet::new(Kind::AboutCentre, *centre, up, outwards, *radius)
+            }
+            Face::Freeform(mesh) => return Self::of_mesh(mesh),
+        };
+        Self::of_sheet(&sheet, wall.thickness as f32, points)
+    }
+
+    fn of_mesh(mesh: &Mesh) -> Self {
+        let pair = |through: &Through| through.map(vector);
+        let rows = mesh.rows.iter();
+        let rows: Vec<Vec<Option<Pair>>> = rows
+            .map(|row| row.iter().map(|t| t.as_ref().map(pair)).collect())
+            .collect();
+        Self {
+            cells: cells(&rows),
+            rim: mesh.rim.iter().map(pair).collect(),
+            corners: Vec::new(),
+        }
+    }
+
+    fn of_sheet(sheet: &Sheet, thickness: f32, points: &[Vec3]) -> Self {
         let places: Vec<_> = points
             .iter()
             .map(|point| sheet.coordinates(*point))
             .collect();
         let (columns, rows) = sheet.cells();
-        let across = steps(places.iter().map(|place| place.0), sheet.margin(), columns);
-        let along = steps(places.iter().map(|place| place.1), sheet.margin(), rows);
-        let face = |depth: f32| {
-            let row = |v: &f32| across.iter().map(|u| sheet.place(*u, *v, depth)).collect();
-            along.iter().map(row).collect()
-        };
+        let across = steps(places.iter().map(|place| place.0), columns);
+        let along = steps(places.iter().map(|place| place.1), rows);
+        let pair = |u: f32, v: f32| [sheet.place(u, v, 0.0), sheet.place(u, v, thickness)];
+        let row = |v: &f32| across.iter().map(|u| pair(*u, *v)).collect();
+        let rows: Vec<Vec<Pair>> = along.iter().map(row).collect();
+        let some: Vec<Vec<_>> = rows
+            .iter()
+            .map(|row| row.iter().copied().map(Some).collect())
+            .collect();
         Self {
-            outer: face(0.0),
-            inner: face(wall.thickness as f32),
+            cells: cells(&some),
+            rim: rim(&rows),
+            corners: corners(&rows),
         }
     }
 
     pub(super) fn places(&self) -> impl Iterator<Item = Vec3> + '_ {
-        self.outer.iter().chain(&self.inner).flatten().copied()
+        self.cells.iter().flatten().flatten().copied()
     }
 
     pub(super) fn faces(&self, colour: [f32; 4]) -> Vec<Triangle> {
-        let mut quads = Vec::new();
-        for face in [&self.outer, &self.inner] {
-            for rows in face.windows(2) {
-                let cells = rows[0].windows(2).zip(rows[1].windows(2));
-                quads.extend(cells.map(|(low, high)| [low[0], low[1], high[1], high[0]]));
-            }
-        }
-        let (outer, inner) = (rim(&self.outer), rim(&self.inner));
-        let sides = outer.windows(2).zip(inner.windows(2));
-        quads.extend(sides.map(|(out, within)| [out[0], out[1], within[1], within[0]]));
+        let faces = [0, 1].into_iter().flat_map(|side| {
+            self.cells
+                .iter()
+                .map(move |cell| cell.map(|pair| pair[side]))
+        });
+        let sides = self.rim.windows(2).map(|pair| {
+            let ([out, within], [next_out, next_within]) = (pair[0], pair[1]);
+            [out, next_out, next_within, within]
+        });
         let halves = |[a, b, c, d]: [Vec3; 4]| [[a, b, c], [a, c, d]];
-        let corners = quads.into_iter().flat_map(halves);
+        let corners = faces.chain(sides).flat_map(halves);
         corners
             .map(|corners| Triangle { corners, colour })
             .collect()
     }
 
     pub(super) fn edges(&self, colour: [f32; 4]) -> Vec<Line> {
-        let (outer, inner) = (rim(&self.outer), rim(&self.inner));
-        let mut edges: Vec<Line> = chain(&outer, colour).collect();
-        edges.extend(chain(&inner, colour));
-        let ends = corners(&self.outer).into_iter().zip(corners(&self.inner));
-        edges.extend(ends.map(|(out, within)| Line::new(out, within, colour)));
+        let side = |side: usize| self.rim.iter().map(|pair| pair[side]).collect::<Vec<_>>();
+        let mut edges: Vec<Line> = chain(&side(0), colour).collect();
+        edges.extend(chain(&side(1), colour));
+        let ends = self.corners.iter();
+        edges.extend(ends.map(|[out, within]| Line::new(*out, *within, colour)));
         edges
     }
 }
 
-/// A wall's outer face with coordinates: across and along, mm or radians. Those of a round wall start in
-/// the middle of what was seen.
+/// The cells of which all four corners are there.
+fn cells(rows: &[Vec<Option<Pair>>]) -> Vec<[Pair; 4]> {
+    let bands = rows.windows(2);
+    let corners = bands.flat_map(|band| band[0].windows(2).zip(band[1].windows(2)));
+    corners
+        .filter_map(|(low, high)| Some([low[0]?, low[1]?, high[1]?, high[0]?]))
+        .collect()
+}
+
+/// A plane's or round wall's outer face with coordinates: across and along, mm or radians. Those of a
+/// round wall start in the middle of what was seen.
 struct Sheet {
-    face: Face,
+    kind: Kind,
     /// A point of the plane or the axis, or the centre.
     origin: Vec3,
     right: Vec3,
@@ -81,40 +137,22 @@ struct Sheet {
     radius: f32,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Flat,
+    AboutAxis,
+    AboutCentre,
+}
+
 impl Sheet {
-    fn of(face: &Face, seen: Vec3, up: Vec3) -> Self {
-        let (origin, along, outwards, radius) = match *face {
-            Face::Plane { point, normal } => {
-                let normal = vector(normal);
-                (vector(point), upright(normal, up), normal, 0.0)
-            }
-            Face::Cylinder {
-                point,
-                axis,
-                radius,
-            } => {
-                let axis = vector(axis);
-                (
-                    vector(point),
-                    axis,
-                    upright(axis, seen - vector(point)),
-                    radius as f32,
-                )
-            }
-            Face::Sphere { centre, radius } => (
-                vector(centre),
-                up,
-                upright(up, seen - vector(centre)),
-                radius as f32,
-            ),
-        };
+    fn new(kind: Kind, origin: Place, along: Vec3, outwards: Vec3, radius: f64) -> Self {
         Self {
-            face: *face,
-            origin,
+            kind,
+            origin: vector(origin),
             right: along.cross(outwards),
             along,
             outwards,
-            radius,
+            radius: radius as f32,
         }
     }
 
@@ -122,10 +160,10 @@ impl Sheet {
         let from = point - self.origin;
         let (right, along) = (from.dot(self.right), from.dot(self.along));
         let out = from.dot(self.outwards);
-        match self.face {
-            Face::Plane { .. } => (right, along),
-            Face::Cylinder { .. } => (right.atan2(out), along),
-            Face::Sphere { .. } => (right.atan2(out), along.atan2(right.hypot(out))),
+        match self.kind {
+            Kind::Flat => (right, along),
+            Kind::AboutAxis => (right.atan2(out), along),
+            Kind::AboutCentre => (right.atan2(out), along.atan2(right.hypot(out))),
         }
     }
 
@@ -133,26 +171,21 @@ impl Sheet {
     fn place(&self, u: f32, v: f32, depth: f32) -> Vec3 {
         let out = self.outwards * u.cos() + self.right * u.sin();
         let radius = self.radius - depth;
-        let from = match self.face {
-            Face::Plane { .. } => self.right * u + self.along * v - self.outwards * depth,
-            Face::Cylinder { .. } => out * radius + self.along * v,
-            Face::Sphere { .. } => (out * v.cos() + self.along * v.sin()) * radius,
+        let from = match self.kind {
+            Kind::Flat => self.right * u + self.along * v - self.outwards * depth,
+            Kind::AboutAxis => out * radius + self.along * v,
+            Kind::AboutCentre => (out * v.cos() + self.along * v.sin()) * radius,
         };
         self.origin + from
     }
 
     /// How many cells look smooth, across and along.
     const fn cells(&self) -> (usize, usize) {
-        match self.face {
-            Face::Plane { .. } => (1, 1),
-            Face::Cylinder { .. } => (40, 1),
-            Face::Sphere { .. } => (40, 24),
+        match self.kind {
+            Kind::Flat => (1, 1),
+            Kind::AboutAxis => (40, 1),
+            Kind::AboutCentre => (40, 24),
         }
-    }
-
-    /// How far the slab reaches beyond the points, of its size.
-    const fn margin(&self) -> f32 {
-        0.07
     }
 }
 
@@ -164,12 +197,13 @@ fn middle(points: &[Vec3]) -> Vec3 {
 }
 
 /// From a little below the least to a little above the greatest value, in equal steps.
-fn steps(values: impl Iterator<Item = f32>, margin: f32, count: usize) -> Vec<f32> {
+fn steps(values: impl Iterator<Item = f32>, count: usize) -> Vec<f32> {
+    const MARGIN: f32 = 0.07;
     let (low, high) = values.fold((f32::MAX, f32::MIN), |(low, high), value| {
         (low.min(value), high.max(value))
     });
     let (low, high) = if low <= high { (low, high) } else { (-PI, PI) };
-    let beyond = margin * (high - low).max(1e-3);
+    let beyond = MARGIN * (high - low).max(1e-3);
     let (low, size) = (low - beyond, high - low + 2.0 * beyond);
     (0..=count)
         .map(|i| low + size * i as f32 / count as f32)
@@ -177,7 +211,7 @@ fn steps(values: impl Iterator<Item = f32>, margin: f32, count: usize) -> Vec<f3
 }
 
 /// Once round a face.
-fn rim(face: &[Vec<Vec3>]) -> Vec<Vec3> {
+fn rim(face: &[Vec<Pair>]) -> Vec<Pair> {
     let (Some(first), Some(last)) = (face.first(), face.last()) else {
         return Vec::new();
     };
@@ -191,7 +225,7 @@ fn rim(face: &[Vec<Vec3>]) -> Vec<Vec3> {
     round.copied().collect()
 }
 
-fn corners(face: &[Vec<Vec3>]) -> Vec<Vec3> {
+fn corners(face: &[Vec<Pair>]) -> Vec<Pair> {
     let rows = face.first().into_iter().chain(face.last());
     let ends = rows.flat_map(|row| row.first().into_iter().chain(row.last()));
     ends.copied().collect()
