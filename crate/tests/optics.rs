@@ -30,8 +30,8 @@ fn tilted_stack(random: &mut Random) -> Stack {
 }
 
 fn plane_of(interface: &Interface) -> Plane<World> {
-    match interface.surface {
-        Surface::Plane(plane) => plane,
+    match &interface.surface {
+        Surface::Plane(plane) => *plane,
         round => panic!("{round:?} is not flat"),
     }
 }

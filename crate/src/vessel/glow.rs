@@ -60,8 +60,7 @@ pub(super) fn faces(
     let outer = inside.vertices[1];
     let (at_outer, at_inner) = (seen(outer, 0)?, seen(inside.vertices[2], 1)?);
     let offset = Vector2::new(at_inner.u - at_outer.u, at_inner.v - at_outer.v);
-    // Written so that a NaN is refused too.
-    if !(offset.norm() > LEAST_OFFSET) {
+    if offset.norm().is_nan() || offset.norm() <= LEAST_OFFSET {
         return None;
     }
     Some(Faces {
