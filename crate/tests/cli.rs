@@ -150,6 +150,30 @@ fn an_input_at_fault_ends_with_1_and_names_file_and_place() {
     assert!(assert_ends_with(&simulated, 1).contains("scene.toml"));
 }
 
+/// Whichever thread fails first, the first view at fault is the one that is named.
+#[test]
+fn of_several_faults_the_first_is_told() {
+    let folder = Folder::new();
+    let mut entries = Entries::of(&small_scan());
+    for view in 2..10 {
+        *entries.entry(&format!("images/{view:04}-off.png")) = b"no picture".to_vec();
+    }
+    let scan = folder.write("scan.zip", &entries.zipped());
+    let output = folder.path("out");
+    for _ in 0..8 {
+        let arguments = [
+            "reconstruct".as_ref(),
+            scan.as_os_str(),
+            "--jobs".as_ref(),
+            "4".as_ref(),
+            "-o".as_ref(),
+            output.as_os_str(),
+        ];
+        let error = assert_ends_with(&snellius(&arguments), 1);
+        assert!(error.contains("views[2].off"), "{error}");
+    }
+}
+
 #[test]
 fn a_wrong_call_ends_with_2() {
     for call in [
