@@ -355,7 +355,8 @@ fn an_index_that_nobody_knows_must_be_given() {
     }
 }
 
-/// Any number may be any number: there is a result without NaN, or an error, and never a panic.
+/// Any number may be any number, whatever the vessel: there is a result without NaN, or an error, and never
+/// a panic.
 #[test]
 fn extreme_numbers_are_survived() {
     let mut archive = Archive::open(Cursor::new(&GOOD[..])).unwrap();
@@ -363,37 +364,55 @@ fn extreme_numbers_are_survived() {
     let spots: Vec<_> = (0..10)
         .map(|view| observe(&mut archive, view, &settings).unwrap())
         .collect();
-    let manifest = good().manifest();
-    let mut paths = Vec::new();
-    numbers("", &manifest, &mut paths);
-    // Two views stand for all.
-    paths.retain(|path| {
-        !path.starts_with("/views/")
-            || path.starts_with("/views/0/")
-            || path.starts_with("/views/7/")
-    });
-    assert!(paths.len() > 30, "{paths:?}");
-    for path in paths {
-        for extreme in [0.0, -1.0, 1e-300, 1e9, 1e150, -1e150, 1e300, f64::MAX] {
-            let mut changed = manifest.clone();
-            *changed.pointer_mut(&path).unwrap() = json!(extreme);
-            let Ok(scan) = Manifest::from_json(changed.to_string().as_bytes()).and_then(Scan::new)
-            else {
-                continue;
-            };
-            let Ok(reconstruction) = reconstruct(&scan, &spots, &settings) else {
-                continue;
-            };
-            let json = reconstruction.result().to_json();
-            // serde_json writes what is no number as null, which no coordinate may be.
-            let read: Result<ReconstructionResult, _> = serde_json::from_str(&json);
-            assert!(
-                read.is_ok(),
-                "{path} = {extreme:e}: {} in {json}",
-                read.unwrap_err()
-            );
+    let vessels = [
+        json!({ "shape": "plane", "wall_thickness": 2.1 }),
+        json!({ "shape": "plane", "wall_thickness": 2.1, "far_wall": { "distance": 200, "thickness": 2.1 } }),
+        json!({ "shape": "plane", "wall_thickness": 2.1, "point": [1, 2, 3], "normal": [0.03, 0.02, -1] }),
+        json!({ "shape": "cylinder", "wall_thickness": 2.1, "axis_point": [1, 2, 900], "axis": [0.1, 1, 0.2], "radius": 900 }),
+        json!({ "shape": "sphere", "wall_thickness": 2.1, "center": [1, 2, 900], "radius": 900 }),
+        json!({ "shape": "auto", "wall_thickness": 2.1 }),
+        json!({ "shape": "freeform", "wall_thickness": 2.1 }),
+    ];
+    let mut measured = 0;
+    for (k, vessel) in vessels.into_iter().enumerate() {
+        let mut manifest = good().manifest();
+        manifest["vessel"] = vessel;
+        let mut paths = Vec::new();
+        numbers("", &manifest, &mut paths);
+        // Two views stand for all, and one vessel for all where the vessel is not concerned.
+        let views = ["/views/0/", "/views/7/"];
+        paths.retain(|path| {
+            path.starts_with("/vessel/")
+                || k == 0
+                    && (!path.starts_with("/views/") || views.iter().any(|v| path.starts_with(v)))
+        });
+        for path in paths {
+            for extreme in [0.0, -1.0, 1e-300, 1e9, 1e150, -1e150, 1e300, f64::MAX] {
+                let mut changed = manifest.clone();
+                *changed.pointer_mut(&path).unwrap() = json!(extreme);
+                let text = changed.to_string();
+                let Ok(scan) = Manifest::from_json(text.as_bytes()).and_then(Scan::new) else {
+                    continue;
+                };
+                let Ok(reconstruction) = reconstruct(&scan, &spots, &settings) else {
+                    continue;
+                };
+                measured += 1;
+                let json = reconstruction.result().to_json();
+                // serde_json writes what is no number as null, which no coordinate may be.
+                let read: Result<ReconstructionResult, _> = serde_json::from_str(&json);
+                assert!(
+                    read.is_ok(),
+                    "{path} = {extreme:e} in {}: {read:?}",
+                    manifest["vessel"]
+                );
+            }
         }
     }
+    assert!(
+        measured > 100,
+        "{measured} of them are measured all the same"
+    );
 }
 
 /// The places of all numbers, as JSON pointers.

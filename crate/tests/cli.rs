@@ -150,6 +150,30 @@ fn an_input_at_fault_ends_with_1_and_names_file_and_place() {
     assert!(assert_ends_with(&simulated, 1).contains("scene.toml"));
 }
 
+/// Whichever thread fails first, the first view at fault is the one that is named.
+#[test]
+fn of_several_faults_the_first_is_told() {
+    let folder = Folder::new();
+    let mut entries = Entries::of(&small_scan());
+    for view in 2..10 {
+        *entries.entry(&format!("images/{view:04}-off.png")) = b"no picture".to_vec();
+    }
+    let scan = folder.write("scan.zip", &entries.zipped());
+    let output = folder.path("out");
+    for _ in 0..8 {
+        let arguments = [
+            "reconstruct".as_ref(),
+            scan.as_os_str(),
+            "--jobs".as_ref(),
+            "4".as_ref(),
+            "-o".as_ref(),
+            output.as_os_str(),
+        ];
+        let error = assert_ends_with(&snellius(&arguments), 1);
+        assert!(error.contains("views[2].off"), "{error}");
+    }
+}
+
 #[test]
 fn a_wrong_call_ends_with_2() {
     for call in [
@@ -213,30 +237,39 @@ fn check_says_what_is_in_a_scan_and_what_looks_wrong() {
     );
 }
 
-/// The archive beside the scene is the one that the scene makes.
+/// The archive beside a scene is the one that the scene makes.
 #[test]
-fn the_sample_is_made_from_its_scene() {
+fn the_samples_are_made_from_their_scenes() {
     let folder = Folder::new();
-    let made = folder.path("tank-paper.zip");
-    let scene = repository("samples/scenes/tank-paper.toml");
-    let done = snellius(&[
-        "simulate".as_ref(),
-        scene.as_os_str(),
-        "--output".as_ref(),
-        made.as_os_str(),
-    ]);
-    assert_ends_with(&done, 0);
-    let kept = fs::read(repository("samples/tank-paper.zip")).unwrap();
-    let made = fs::read(made).unwrap();
-    let same = made == kept;
-    assert!(
-        same,
-        "samples/tank-paper.zip is stale: make it again as samples/README.md says"
-    );
-    assert!(kept.len() < 4 << 20, "small enough for the page");
-    let truth: Value =
-        serde_json::from_slice(&fs::read(folder.path("tank-paper.truth.json")).unwrap()).unwrap();
-    assert_eq!(truth["views"].as_array().unwrap().len(), 35);
+    let mut scenes = 0;
+    for scene in fs::read_dir(repository("samples/scenes")).unwrap() {
+        let scene = scene.unwrap().path();
+        let name = scene.file_stem().unwrap().to_str().unwrap();
+        let made = folder.path(&format!("{name}.zip"));
+        let arguments = [
+            "simulate".as_ref(),
+            scene.as_os_str(),
+            "--output".as_ref(),
+            made.as_os_str(),
+        ];
+        assert_ends_with(&snellius(&arguments), 0);
+        let kept = fs::read(repository(&format!("samples/{name}.zip"))).unwrap();
+        let same = fs::read(made).unwrap() == kept;
+        assert!(
+            same,
+            "samples/{name}.zip is stale: make it again as samples/README.md says"
+        );
+        assert!(kept.len() < 4 << 20, "{name} is small enough for the page");
+        let truth = fs::read(folder.path(&format!("{name}.truth.json"))).unwrap();
+        let truth: Value = serde_json::from_slice(&truth).unwrap();
+        let views = Entries::of(&kept).manifest()["views"]
+            .as_array()
+            .unwrap()
+            .len();
+        assert_eq!(truth["views"].as_array().unwrap().len(), views, "{name}");
+        scenes += 1;
+    }
+    assert!(scenes >= 1);
 }
 
 #[test]

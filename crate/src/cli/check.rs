@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut odd = scan.warnings.clone();
     if !arguments.quick {
         let settings = Settings::default();
-        let spots = views::spots(&arguments.scan, scan.stations.len(), &settings, 0)?;
+        let spots = views::spots(&arguments.scan, scan, &settings, 0)?;
         print(&spots_found(&spots))?;
         odd.extend(measurement_oddities(scan, &spots, &settings));
     }

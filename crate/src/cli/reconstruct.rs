@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let archive = views::open(path)?;
     let scan = archive.scan();
-    let spots = views::spots(path, scan.stations.len(), &settings, arguments.jobs)?;
+    let spots = views::spots(path, scan, &settings, arguments.jobs)?;
     let reconstruction =
         reconstruct(scan, &spots, &settings).map_err(|error| Failure::Pipeline {
             path: path.clone(),

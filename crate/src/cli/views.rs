@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::Failure;
 use crate::pipeline::{Settings, observe};
-use crate::scan::{Archive, ScanError};
+use crate::scan::{Archive, Scan, ScanError};
 use crate::spots::Spots;
 
 /// Opens an archive.
@@ -22,16 +22,17 @@ pub(super) fn open(path: &Path) -> Result<Archive<BufReader<File>>, Failure> {
 /// error if that is a terminal. Each thread reads the archive by itself.
 pub(super) fn spots(
     path: &Path,
-    views: usize,
+    scan: &Scan,
     settings: &Settings,
     jobs: usize,
 ) -> Result<Vec<Spots>, Failure> {
+    let views = scan.stations.len();
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs)
+        .num_threads(threads(scan, jobs))
         .build()
         .map_err(|e| Failure::file(path, e))?;
     let bar = progress_bar(views, "views");
-    let found: Result<Vec<Spots>, ViewFailure> = pool.install(|| {
+    let found: Vec<Result<Spots, ViewFailure>> = pool.install(|| {
         (0..views)
             .into_par_iter()
             .progress_with(bar.clone())
@@ -45,10 +46,26 @@ pub(super) fn spots(
             .collect()
     });
     bar.finish_and_clear();
+    // Of several failures the first view's, whichever thread came upon one first.
+    let found: Result<Vec<Spots>, ViewFailure> = found.into_iter().collect();
     found.map_err(|failure| match failure {
         ViewFailure::Scan(error) => Failure::scan(path, error),
         ViewFailure::Reopen => Failure::file(path, "the file changed while it was being read"),
     })
+}
+
+/// As many threads as were asked for, but no more than have room for their pictures.
+fn threads(scan: &Scan, jobs: usize) -> usize {
+    /// While it is decoded a pixel takes up to 16 bytes: four colours of 16 bits, and grey values.
+    const BYTES: usize = 16;
+    const ROOM: usize = 768 << 20;
+    let (width, height) = (scan.manifest.camera.width, scan.manifest.camera.height);
+    let room = ROOM / (BYTES * width as usize * height as usize);
+    let asked = match jobs {
+        0 => rayon::current_num_threads(),
+        jobs => jobs,
+    };
+    asked.min(room.max(1))
 }
 
 enum ViewFailure {

@@ -107,6 +107,10 @@ impl Picture {
             DynamicImage::ImageRgba8(p) => {
                 (255, p.pixels().map(|p| mean([p[0], p[1], p[2]])).collect())
             }
+            DynamicImage::ImageRgba16(p) => (
+                u16::MAX,
+                p.pixels().map(|p| mean([p[0], p[1], p[2]])).collect(),
+            ),
             deep => (
                 u16::MAX,
                 deep.into_rgb16().pixels().map(|p| mean(p.0)).collect(),
