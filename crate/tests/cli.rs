@@ -1,1 +1,404 @@
-//! Stub.
+//! The companion program, as a user or a script calls it.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "expectations may come from the platform"
+)]
+
+mod common;
+
+use std::ffi::OsStr;
+use std::fs;
+use std::process::{Command, Output, Stdio};
+
+use common::archives::{Entries, Folder, measure, repository, scene, simulate};
+use serde_json::{Value, json};
+
+fn snellius(arguments: &[impl AsRef<OsStr>]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_snellius"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn said(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn assert_ends_with(output: &Output, code: i32) -> String {
+    let error = said(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{error}");
+    error
+}
+
+/// The scan of a small scene: two rows, ten views.
+fn small_scan() -> Vec<u8> {
+    let mut scene = scene();
+    scene.sweeps.truncate(2);
+    simulate(scene).archive
+}
+
+#[test]
+fn reconstruct_writes_four_files_and_says_what_it_found() {
+    let (folder, scan) = (Folder::new(), small_scan());
+    let output = folder.path("new/out put");
+    let arguments = [
+        "reconstruct".into(),
+        folder.write("sc\u{e4}n 1.zip", &scan),
+        "--output".into(),
+        output.clone(),
+    ];
+    let done = snellius(&arguments);
+    let summary = assert_ends_with(&done, 0);
+    assert!(done.stdout.is_empty(), "results go to files");
+    for part in ["A box in a tank", "10 of 10", "vessel", "ray distance"] {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    let read = |name: &str| fs::read_to_string(output.join(name)).unwrap();
+    assert_eq!(fs::read_dir(&output).unwrap().count(), 4);
+    let result = measure(&scan).unwrap();
+    assert_eq!(read("result.json"), result.to_json(), "the library's bytes");
+
+    // What other programs read: the PLY header's counts and columns, one CSV line a view.
+    for (name, count, columns) in [("object.ply", 10, 7), ("vessel.ply", 10, 3)] {
+        let ply = read(name);
+        let (header, body) = ply.split_once("end_header\n").unwrap();
+        assert!(header.starts_with("ply\nformat ascii 1.0\n"), "{header}");
+        assert!(
+            header.contains(&format!("element vertex {count}\n")),
+            "{header}"
+        );
+        assert_eq!(header.matches("property double").count(), columns);
+        assert_eq!(body.lines().count(), count);
+        assert!(
+            body.lines().all(
+                |line| line.split(' ').filter(|n| n.parse::<f64>().is_ok()).count() == columns
+            )
+        );
+    }
+    let table = read("points.csv");
+    let lines: Vec<&str> = table.split_terminator("\r\n").collect();
+    assert_eq!(lines.len(), 11);
+    assert!(lines.iter().all(|line| line.split(',').count() == 15));
+    let place = result.views[3].object.unwrap();
+    assert!(lines[4].starts_with("0003,ok,"), "{}", lines[4]);
+    assert!(lines[4].contains(&format!(",{},{},{},", place[0], place[1], place[2])));
+}
+
+#[test]
+fn one_thread_or_many_write_the_same_bytes() {
+    let folder = Folder::new();
+    let scan = folder.write("scan.zip", &small_scan());
+    let files: Vec<_> = ["1", "2", "7", "0"]
+        .iter()
+        .map(|jobs| {
+            let output = folder.path(jobs);
+            let arguments = [
+                OsStr::new("reconstruct"),
+                scan.as_ref(),
+                "--jobs".as_ref(),
+                jobs.as_ref(),
+                "-o".as_ref(),
+                output.as_ref(),
+            ];
+            assert_ends_with(&snellius(&arguments), 0);
+            ["result.json", "object.ply", "vessel.ply", "points.csv"]
+                .map(|name| fs::read(output.join(name)).unwrap())
+        })
+        .collect();
+    assert!(files.iter().all(|other| *other == files[0]));
+}
+
+#[test]
+fn an_input_at_fault_ends_with_1_and_names_file_and_place() {
+    let folder = Folder::new();
+    let output = folder.path("out");
+    let run = |scan: &std::path::Path, output: &std::path::Path| {
+        snellius(&[
+            "reconstruct".as_ref(),
+            scan.as_os_str(),
+            "--output".as_ref(),
+            output.as_os_str(),
+        ])
+    };
+    let missing = folder.path("missing.zip");
+    assert!(assert_ends_with(&run(&missing, &output), 1).contains("missing.zip"));
+    let broken = Entries::of(&small_scan())
+        .with_manifest(|scan| scan["views"][3]["on"] = json!("nowhere.png"));
+    let broken = folder.write("broken.zip", &broken.zipped());
+    let error = assert_ends_with(&run(&broken, &output), 1);
+    assert!(
+        error.starts_with("error: ")
+            && error.contains("broken.zip: views[3].on: no entry \"nowhere.png\""),
+        "{error}"
+    );
+    assert_eq!(error.lines().count(), 1, "{error}");
+    assert!(
+        !output.exists(),
+        "nothing is written where nothing was measured"
+    );
+    let in_the_way = folder.write("file", b"");
+    let scan = folder.write("scan.zip", &small_scan());
+    assert!(assert_ends_with(&run(&scan, &in_the_way), 1).contains("file"));
+    let no_scene = folder.write("scene.toml", b"name = \"half a scene\"");
+    let simulated = snellius(&[
+        "simulate".as_ref(),
+        no_scene.as_os_str(),
+        "-o".as_ref(),
+        output.as_os_str(),
+    ]);
+    assert!(assert_ends_with(&simulated, 1).contains("scene.toml"));
+}
+
+#[test]
+fn a_wrong_call_ends_with_2() {
+    for call in [
+        &[][..],
+        &["measure"],
+        &["reconstruct"],
+        &["reconstruct", "x.zip"],
+        &["check"],
+        &["schema", "picture"],
+        &["reconstruct", "x.zip", "-o", "out", "--jobs", "many"],
+        &["check", "--loud", "x.zip"],
+    ] {
+        let error = assert_ends_with(&snellius(call), 2);
+        assert!(error.contains("--help"), "{call:?}: {error}");
+    }
+    for call in [["--help"], ["--version"]] {
+        assert_ends_with(&snellius(&call), 0);
+    }
+}
+
+#[test]
+fn check_says_what_is_in_a_scan_and_what_looks_wrong() {
+    let folder = Folder::new();
+    let good = folder.write("good.zip", &small_scan());
+    let report = snellius(&["check".as_ref(), good.as_os_str()]);
+    assert_ends_with(&report, 0);
+    let report = said(&report.stdout);
+    for part in [
+        "A box in a tank",
+        "10",
+        "2 sweeps",
+        "320 x 240",
+        "wall 2.1 mm",
+        "1.33 inside",
+        "nothing looks wrong",
+    ] {
+        assert!(report.contains(part), "{part}: {report}");
+    }
+    // The pictures of one view are exchanged, another has no laser-off picture, a key is misspelt.
+    let odd = Entries::of(&small_scan()).with_manifest(|scan| {
+        scan["views"][1]["on"] = scan["views"][1]["off"].clone();
+        scan["views"][2].as_object_mut().unwrap().remove("off");
+        scan["vessel"]["wall_thicknes"] = json!(3);
+    });
+    let odd = folder.write("odd.zip", &odd.zipped());
+    let report = snellius(&["check".as_ref(), odd.as_os_str()]);
+    assert_ends_with(&report, 0);
+    let report = said(&report.stdout);
+    for part in [
+        "looks wrong: no laser spot in 1 view: 0001",
+        "vessel.wall_thicknes",
+        "without a laser-off picture",
+        "0002",
+    ] {
+        assert!(report.contains(part), "{part}: {report}");
+    }
+    let broken = folder.write("broken.zip", b"PK");
+    assert!(
+        assert_ends_with(&snellius(&["check".as_ref(), broken.as_os_str()]), 1)
+            .contains("broken.zip")
+    );
+}
+
+/// The archive beside the scene is the one that the scene makes.
+#[test]
+fn the_sample_is_made_from_its_scene() {
+    let folder = Folder::new();
+    let made = folder.path("tank-paper.zip");
+    let scene = repository("samples/scenes/tank-paper.toml");
+    let done = snellius(&[
+        "simulate".as_ref(),
+        scene.as_os_str(),
+        "--output".as_ref(),
+        made.as_os_str(),
+    ]);
+    assert_ends_with(&done, 0);
+    let kept = fs::read(repository("samples/tank-paper.zip")).unwrap();
+    let made = fs::read(made).unwrap();
+    let same = made == kept;
+    assert!(
+        same,
+        "samples/tank-paper.zip is stale: make it again as samples/README.md says"
+    );
+    assert!(kept.len() < 4 << 20, "small enough for the page");
+    let truth: Value =
+        serde_json::from_slice(&fs::read(folder.path("tank-paper.truth.json")).unwrap()).unwrap();
+    assert_eq!(truth["views"].as_array().unwrap().len(), 35);
+}
+
+#[test]
+fn scans_and_results_are_what_the_schemas_say() {
+    let schema = |which: &str| -> Value {
+        let printed = snellius(&["schema", which]);
+        assert_ends_with(&printed, 0);
+        serde_json::from_slice(&printed.stdout).unwrap()
+    };
+    let (scan_schema, result_schema) = (schema("scan"), schema("result"));
+    let both: Value = serde_json::from_slice(&snellius(&["schema"]).stdout).unwrap();
+    assert_eq!(
+        both,
+        json!({ "scan": scan_schema, "result": result_schema })
+    );
+
+    let sample = fs::read(repository("samples/tank-paper.zip")).unwrap();
+    let manifest = Entries::of(&sample).manifest();
+    let result: Value = serde_json::from_str(&measure(&sample).unwrap().to_json()).unwrap();
+    assert_eq!(problems(&scan_schema, &manifest), Vec::<String>::new());
+    assert_eq!(problems(&result_schema, &result), Vec::<String>::new());
+
+    // And they say no to what is none.
+    let change = |document: &Value, place: &str, to: Value| {
+        let mut changed = document.clone();
+        *changed.pointer_mut(place).unwrap() = to;
+        changed
+    };
+    for (place, to) in [
+        ("/camera/fx", json!("wide")),
+        ("/format", json!("other")),
+        ("/views/3/inside", json!("mud")),
+        ("/laser/origin", json!([1, 2])),
+        ("/media", json!({ "outside": 1 })),
+        ("/views/0/on", json!(null)),
+    ] {
+        assert_ne!(
+            problems(&scan_schema, &change(&manifest, place, to)),
+            Vec::<String>::new(),
+            "{place}"
+        );
+    }
+    for (place, to) in [
+        ("/version", json!("1")),
+        ("/views/0/object", json!([1, 2])),
+        ("/views/0/status", json!("fine")),
+        ("/vessel/shape", json!("cube")),
+        ("/media/inside", json!(1.33)),
+    ] {
+        assert_ne!(
+            problems(&result_schema, &change(&result, place, to)),
+            Vec::<String>::new(),
+            "{place}"
+        );
+    }
+}
+
+/// What of a document breaks its schema. Knows the part of JSON Schema 2020-12 that our schemas use, and
+/// panics at any other keyword.
+fn problems(schema: &Value, document: &Value) -> Vec<String> {
+    check(schema, schema, document, "$")
+}
+
+fn check(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
+    let Some(rules) = schema.as_object() else {
+        assert_eq!(*schema, json!(true), "a schema is an object or true");
+        return Vec::new();
+    };
+    let broken = |(keyword, rule): (&String, &Value)| check_rule(root, keyword, rule, value, at);
+    rules.iter().flat_map(broken).collect()
+}
+
+fn check_rule(root: &Value, keyword: &str, rule: &Value, value: &Value, at: &str) -> Vec<String> {
+    let all = || rule.as_array().unwrap().iter();
+    let fits = |schema: &Value| check(root, schema, value, at).is_empty();
+    let limit = || rule.as_u64().unwrap() as usize;
+    let holds = match keyword {
+        "$schema" | "$defs" | "title" | "description" | "default" | "format" => true,
+        "type" if rule.is_array() => all().any(|name| is_of_type(value, name)),
+        "type" => is_of_type(value, rule),
+        "const" => value == rule,
+        "enum" => all().any(|one| one == value),
+        "anyOf" => all().any(fits),
+        "oneOf" => all().filter(|one| fits(one)).count() == 1,
+        "minimum" => value.as_f64().is_none_or(|n| n >= rule.as_f64().unwrap()),
+        "minItems" => value.as_array().is_none_or(|list| list.len() >= limit()),
+        "maxItems" => value.as_array().is_none_or(|list| list.len() <= limit()),
+        "required" => {
+            !value.is_object() || all().all(|key| value.get(key.as_str().unwrap()).is_some())
+        }
+        "additionalProperties" => *rule == json!(true),
+        "$ref" => {
+            let target = rule.as_str().unwrap().trim_start_matches('#');
+            return check(root, root.pointer(target).unwrap(), value, at);
+        }
+        "items" => {
+            let items = value.as_array().into_iter().flatten().enumerate();
+            return items
+                .flat_map(|(i, item)| check(root, rule, item, &format!("{at}[{i}]")))
+                .collect();
+        }
+        "properties" => {
+            let known = rule.as_object().unwrap().iter();
+            let given = known.filter_map(|(key, rule)| Some((key, rule, value.get(key)?)));
+            return given
+                .flat_map(|(key, rule, inner)| check(root, rule, inner, &format!("{at}.{key}")))
+                .collect();
+        }
+        other => panic!("this test does not know the keyword {other}: teach it"),
+    };
+    if holds {
+        Vec::new()
+    } else {
+        vec![format!("{at}: {keyword}")]
+    }
+}
+
+fn is_of_type(value: &Value, name: &Value) -> bool {
+    match name.as_str().unwrap() {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "null" => value.is_null(),
+        other => panic!("type {other}"),
+    }
+}
+
+/// `snellius schema | head -1`: the reader has had enough, and that is no fault.
+#[test]
+fn a_reader_that_stops_early_is_no_fault() {
+    let folder = Folder::new();
+    let scan = folder.write("scan.zip", &small_scan());
+    for call in [
+        &["schema".as_ref()][..],
+        &["check".as_ref(), scan.as_os_str()],
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut program = Command::new(env!("CARGO_BIN_EXE_snellius"));
+        let output = program
+            .args(call)
+            .stdout(writer)
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        assert_eq!(assert_ends_with(&output, 0), "");
+    }
+}
+
+/// A full disk is a fault.
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_ends_with_1() {
+    let full = fs::File::create("/dev/full").unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_snellius"));
+    let output = program
+        .arg("schema")
+        .stdout(full)
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap();
+    assert!(assert_ends_with(&output, 1).contains("standard output"));
+}

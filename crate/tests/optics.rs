@@ -30,8 +30,8 @@ fn tilted_stack(random: &mut Random) -> Stack {
 }
 
 fn plane_of(interface: &Interface) -> Plane<World> {
-    match interface.surface {
-        Surface::Plane(plane) => plane,
+    match &interface.surface {
+        Surface::Plane(plane) => *plane,
         round => panic!("{round:?} is not flat"),
     }
 }
@@ -427,9 +427,9 @@ fn aiming_through_parallel_layers_solves_their_one_equation() {
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
             if way(middle) < target.norm() {
-                low = middle
+                low = middle;
             } else {
-                high = middle
+                high = middle;
             }
         }
         let aim = aim_through(

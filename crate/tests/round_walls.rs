@@ -170,7 +170,7 @@ fn where_all_media_are_the_same_light_goes_straight() {
     for (outer, shape) in vessels() {
         for _ in 0..100 {
             let light = light(&mut random);
-            let path = stack(outer, &water).path(&light).unwrap();
+            let path = stack(outer.clone(), &water).path(&light).unwrap();
             assert!(
                 (path.last.direction.vector() - light.direction.vector()).norm() < 1e-13,
                 "{shape}"
@@ -236,9 +236,9 @@ fn a_traced_point_is_aimed_at_along_its_ray() {
 #[test]
 fn light_that_passes_by_is_an_error_that_names_the_face() {
     for (outer, shape) in vessels() {
-        let stack = stack(outer, &MEDIA);
+        let stack = stack(outer.clone(), &MEDIA);
         let offset = |d: f64| {
-            let across = match outer {
+            let across = match &outer {
                 Surface::Cylinder(c) => c.axis.vector().cross(&Vector3::z()).normalize(),
                 _ => Vector3::x(),
             };
@@ -258,7 +258,7 @@ fn light_that_passes_by_is_an_error_that_names_the_face() {
             (0, TraceProblem::Miss),
             "{shape}"
         );
-        let thick = Wall::exact(outer, 0.5 * r, None)
+        let thick = Wall::exact(outer.clone(), 0.5 * r, None)
             .stack(&MEDIA, InsideMedium::Liquid)
             .unwrap();
         let within_glass = thick.trace(&offset(0.9 * r)).unwrap_err();
@@ -273,7 +273,7 @@ fn light_that_passes_by_is_an_error_that_names_the_face() {
 #[test]
 fn a_wall_thicker_than_its_vessel_is_an_error() {
     for (outer, shape) in vessels() {
-        let thick = Wall::exact(outer, radius(&outer) + 1.0, None);
+        let thick = Wall::exact(outer.clone(), radius(&outer) + 1.0, None);
         let error = thick.stack(&MEDIA, InsideMedium::Liquid).unwrap_err();
         assert!(
             error.to_string().contains("vessel.wall_thickness"),

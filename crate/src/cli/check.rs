@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use super::{Failure, views};
+use super::{Failure, print, views};
 use crate::pipeline::{Settings, reconstruct};
 use crate::scan::{Scan, sweeps};
 use crate::spots::Spots;
@@ -17,28 +17,24 @@ pub(super) struct Arguments {
     quick: bool,
 }
 
-#[expect(
-    clippy::print_stdout,
-    reason = "what is in the archive is this command's output"
-)]
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let archive = views::open(&arguments.scan)?;
     let scan = archive.scan();
     for line in contents(scan) {
-        println!("{line}");
+        print(&line)?;
     }
     let mut odd = scan.warnings.clone();
     if !arguments.quick {
         let settings = Settings::default();
         let spots = views::spots(&arguments.scan, scan.stations.len(), &settings, 0)?;
-        println!("{}", spots_found(&spots));
+        print(&spots_found(&spots))?;
         odd.extend(measurement_oddities(scan, &spots, &settings));
     }
     for warning in &odd {
-        println!("looks wrong: {warning}");
+        print(&format!("looks wrong: {warning}"))?;
     }
     if odd.is_empty() {
-        println!("nothing looks wrong");
+        print("nothing looks wrong")?;
     }
     Ok(())
 }

@@ -9,6 +9,7 @@ mod schema;
 mod simulate;
 mod views;
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -64,6 +65,17 @@ impl Failure {
             path: path.to_owned(),
             error,
         }
+    }
+}
+
+/// Writes a command's output. A reader that has had enough, as in `snellius schema | head`, is no fault.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut output = io::stdout().lock();
+    match writeln!(output, "{text}").and_then(|()| output.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::file(Path::new("standard output"), e))
+        }
+        _ => Ok(()),
     }
 }
 

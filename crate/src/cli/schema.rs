@@ -1,6 +1,6 @@
 use schemars::{Schema, schema_for};
 
-use super::Failure;
+use super::{Failure, print};
 use crate::export::ReconstructionResult;
 use crate::scan::Manifest;
 
@@ -19,7 +19,6 @@ enum Format {
     Result,
 }
 
-#[expect(clippy::print_stdout, reason = "the schema is this command's output")]
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let schema = match arguments.format {
         Some(format) => schema(format).to_value(),
@@ -28,8 +27,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "result": schema(Format::Result),
         }),
     };
-    println!("{schema:#}");
-    Ok(())
+    print(&format!("{schema:#}"))
 }
 
 fn schema(format: Format) -> Schema {

@@ -366,6 +366,8 @@ fn warnings(manifest: &Manifest) -> Vec<String> {
     }
     for (index, view) in manifest.views.iter().enumerate() {
         unknown(&format!("views[{index}]."), &view.extra);
+        let pose = format!("views[{index}].world_from_flange.");
+        unknown(&pose, &view.world_from_flange.extra);
     }
     let alone: Vec<&str> = manifest
         .views

@@ -1,4 +1,5 @@
 use std::borrow::Cow;
+use std::ops::Range;
 
 use crate::scan::{Picture, PicturePair};
 
@@ -115,29 +116,32 @@ impl<'a> Difference<'a> {
 /// Blocks of this many pixels: much larger than a spot, smaller than the shading of a scene.
 const BLOCK: usize = 32;
 
-/// The medians of blocks, interpolated between their centres.
+/// The medians of blocks of equal size, interpolated between their centres and carried on to the borders.
 fn smooth_background(picture: &Picture) -> Vec<u16> {
     let (across, down) = (
-        picture.width.div_ceil(BLOCK),
-        picture.height.div_ceil(BLOCK),
+        (picture.width / BLOCK).max(1),
+        (picture.height / BLOCK).max(1),
     );
     let mut medians = Vec::with_capacity(across * down);
+    let edge = |block: usize, blocks: usize, size: usize| block * size / blocks;
     for row in 0..down {
+        let rows = edge(row, down, picture.height)..edge(row + 1, down, picture.height);
         for column in 0..across {
-            medians.push(block_median(picture, column * BLOCK, row * BLOCK));
+            let columns =
+                edge(column, across, picture.width)..edge(column + 1, across, picture.width);
+            medians.push(block_median(picture, columns, rows.clone()));
         }
     }
-    let block_of = |at: usize, blocks: usize| {
-        let position = (at as f64 + 0.5) / BLOCK as f64 - 0.5;
-        let low = position.max(0.0).min((blocks - 1) as f64);
-        let first = low as usize;
-        (first, (first + 1).min(blocks - 1), low - first as f64)
+    let block_of = |at: usize, blocks: usize, size: usize| {
+        let position = (at as f64 + 0.5) * blocks as f64 / size as f64 - 0.5;
+        let first = (position.max(0.0) as usize).min(blocks.saturating_sub(2));
+        (first, (first + 1).min(blocks - 1), position - first as f64)
     };
     let mut background = Vec::with_capacity(picture.grey.len());
     for y in 0..picture.height {
-        let (top, bottom, fy) = block_of(y, down);
+        let (top, bottom, fy) = block_of(y, down, picture.height);
         for x in 0..picture.width {
-            let (left, right, fx) = block_of(x, across);
+            let (left, right, fx) = block_of(x, across, picture.width);
             let row = |r: usize| {
                 medians[r * across + left] * (1.0 - fx) + medians[r * across + right] * fx
             };
@@ -148,12 +152,11 @@ fn smooth_background(picture: &Picture) -> Vec<u16> {
     background
 }
 
-fn block_median(picture: &Picture, left: usize, top: usize) -> f64 {
-    let right = (left + BLOCK).min(picture.width);
-    let mut values = Vec::with_capacity(BLOCK * BLOCK);
-    for y in top..(top + BLOCK).min(picture.height) {
-        values
-            .extend_from_slice(&picture.grey[y * picture.width + left..y * picture.width + right]);
+fn block_median(picture: &Picture, columns: Range<usize>, rows: Range<usize>) -> f64 {
+    let mut values = Vec::with_capacity(columns.len() * rows.len());
+    for y in rows {
+        let row = &picture.grey[y * picture.width..];
+        values.extend_from_slice(&row[columns.clone()]);
     }
     let middle = values.len() / 2;
     f64::from(*values.select_nth_unstable(middle).1)

@@ -27,7 +27,7 @@ impl Noise {
         Self {
             read,
             shot,
-            offset,
+            offset: f64::from(offset),
             typical: (read + shot * dark).max(ROUNDING).sqrt(),
         }
     }
@@ -54,7 +54,8 @@ struct Samples {
     level_sums: Vec<f64>,
 }
 
-/// A class of brightness: mean grey value, variance of the difference, number of samples.
+/// A class of brightness: mean grey value, variance of the difference, and what that weighs: a variance
+/// of n samples is known to sqrt(2/n) of itself.
 struct Class {
     level: f64,
     variance: f64,
@@ -62,23 +63,24 @@ struct Class {
 }
 
 impl Samples {
-    /// At most some 60,000 pixels on a regular grid: enough for the variance to 1 %.
+    /// At most some 20,000 pixels on a regular grid: enough for the variance to 1 %.
     fn gather(difference: &Difference) -> Self {
         // An odd stride walks through all columns of a picture of even width.
-        let stride = (difference.len() / 60_000).max(1) | 1;
+        let stride = (difference.len() / 20_000).max(1) | 1;
         let mut classes = vec![Vec::new(); BINS];
         let mut level_sums = vec![0.0; BINS];
-        let scale = f64::from(difference.full_scale()) + 1.0;
+        // To 8 bits: the square root of that has 16 values.
+        let shift = difference.full_scale().count_ones() - u8::BITS;
         for pixel in (0..difference.len()).step_by(stride) {
             // Clipped pixels have no noise to measure.
             if difference.saturated(pixel) {
                 continue;
             }
-            let level = f64::from(difference.dark_level(pixel));
+            let level = difference.dark_level(pixel);
             // Square-root spacing: shot noise changes most where it is dark.
-            let bin = ((level / scale).sqrt() * BINS as f64) as usize;
+            let bin = usize::from(level >> shift).isqrt();
             classes[bin].push(difference.at(pixel));
-            level_sums[bin] += level;
+            level_sums[bin] += f64::from(level);
         }
         Self {
             classes,
@@ -86,44 +88,54 @@ impl Samples {
         }
     }
 
-    fn median(&self) -> f64 {
+    fn median(&self) -> i32 {
         let mut all: Vec<i32> = self.classes.iter().flatten().copied().collect();
         if all.is_empty() {
-            return 0.0;
+            return 0;
         }
         let middle = all.len() / 2;
-        f64::from(*all.select_nth_unstable(middle).1)
+        *all.select_nth_unstable(middle).1
     }
 
-    fn variances(&self, offset: f64) -> Vec<Class> {
+    fn variances(&self, offset: i32) -> Vec<Class> {
         let filled = self.classes.iter().zip(&self.level_sums);
         filled
             .filter(|(class, _)| class.len() >= LEAST_SAMPLES)
-            .map(|(class, sum)| Class {
-                level: sum / class.len() as f64,
-                variance: clipped_variance(class, offset).max(ROUNDING),
-                weight: class.len() as f64,
+            .map(|(class, sum)| {
+                let count = class.len() as f64;
+                let variance = clipped_variance(class, offset).max(ROUNDING);
+                Class {
+                    level: sum / count,
+                    variance,
+                    weight: count / (variance * variance),
+                }
             })
             .collect()
     }
 }
 
 /// Variance about `offset` of the samples within four standard deviations of it, found by repetition.
-fn clipped_variance(samples: &[i32], offset: f64) -> f64 {
-    let mut sizes: Vec<f64> = samples
-        .iter()
-        .map(|d| (f64::from(*d) - offset).abs())
-        .collect();
+fn clipped_variance(samples: &[i32], offset: i32) -> f64 {
+    let mut sizes: Vec<u32> = samples.iter().map(|d| d.abs_diff(offset)).collect();
     let middle = sizes.len() / 2;
-    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let mut sigma = (1.4826 * median).max(0.5);
+    let median = *sizes.select_nth_unstable(middle).1;
+    let mut sigma = (1.4826 * f64::from(median)).max(0.5);
     for _ in 0..3 {
-        let (mut squares, mut count) = (0.0, 0.0);
-        for size in sizes.iter().filter(|s| **s <= 4.0 * sigma) {
-            squares += size * size;
-            count += 1.0;
-        }
-        sigma = (squares / f64::max(count, 1.0)).sqrt().max(0.1);
+        let limit = (4.0 * sigma) as u32;
+        let within = |size: &u32| {
+            if *size <= limit {
+                (u64::from(*size), 1)
+            } else {
+                (0, 0)
+            }
+        };
+        let (squares, count) = sizes
+            .iter()
+            .map(within)
+            .fold((0, 0_u64), |(sum, n), (size, one)| {
+                (sum + size * size, n + one)
+            });
+        sigma = (squares as f64 / count.max(1) as f64).sqrt().max(0.1);
     }
     sigma * sigma
 }

@@ -11,8 +11,9 @@ const SMOOTHED_NOISE: f64 = 6.0 / 16.0;
 
 /// Finds the 8-connected regions in which the smoothed difference stands out of the noise.
 ///
-/// Smoothing and the smallest area are the noise removal: a single hot pixel passes neither. The
-/// threshold follows the noise at each pixel's own brightness.
+/// Smoothing, the smallest area and what a spot has around its brightest pixel are the noise removal:
+/// light through a lens spreads, a hot pixel does not. The threshold follows the noise at each pixel's own
+/// brightness.
 pub(super) fn regions(
     difference: &Difference,
     noise: &Noise,
@@ -26,7 +27,7 @@ pub(super) fn regions(
             continue;
         }
         let region = field.grow(seed, settings.edge, &mut seen);
-        if region.len() >= settings.smallest_area {
+        if region.len() >= settings.smallest_area && field.spreads(&region, settings.edge) {
             found.push(region);
         }
     }
@@ -156,17 +157,36 @@ impl Field<'_> {
 
     /// The smoothed difference in standard deviations of its noise without laser light.
     fn significance(&self, i: usize) -> f64 {
+        (self.smoothed(i) - self.noise.offset()) / (self.dark_sigma(i) * SMOOTHED_NOISE)
+    }
+
+    /// Whether there is light around the brightest pixel of a region, too: the smoothing without its
+    /// middle, 1 2 1 / 2 0 2 / 1 2 1 over 16, has the noise sqrt(20)/16.
+    fn spreads(&self, region: &Region, edge: f64) -> bool {
+        let brightest = region.iter().max_by_key(|i| self.difference.at(**i));
+        brightest.is_some_and(|&i| {
+            let middle = f64::from(self.difference.at(i)) - self.noise.offset();
+            let around = self.smoothed(i) - self.noise.offset() - 0.25 * middle;
+            around >= edge * self.dark_sigma(i) * 20.0_f64.sqrt() / 16.0
+        })
+    }
+
+    /// The difference smoothed 1 2 1 / 2 4 2 / 1 2 1 over 16; at the picture's border nothing stands out.
+    fn smoothed(&self, i: usize) -> f64 {
         let (width, height) = (self.difference.width(), self.difference.height());
         let (x, y) = (i % width, i / width);
         if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
-            return 0.0;
+            return self.noise.offset();
         }
         let d = |i: usize| self.difference.at(i);
         let row = |i: usize| d(i - 1) + 2 * d(i) + d(i + 1);
-        let sum = row(i - width) + 2 * row(i) + row(i + width);
+        f64::from(row(i - width) + 2 * row(i) + row(i + width)) / 16.0
+    }
+
+    /// Standard deviation of the difference at a pixel, without laser light.
+    fn dark_sigma(&self, i: usize) -> f64 {
         let dark = f64::from(self.difference.dark_level(i));
-        let sigma = self.noise.variance(dark).sqrt() * SMOOTHED_NOISE;
-        (f64::from(sum) / 16.0 - self.noise.offset()) / sigma
+        self.noise.variance(dark).sqrt()
     }
 
     /// The 8-connected pixels around `seed` that stand `edge` deviations out.

@@ -35,7 +35,10 @@ pub(super) struct Faces {
     stretch: f64,
 }
 
-/// Where the inner face's glow is seen, beside the outer one's.
+/// Faces that are seen nearer together than this, px, glow as one.
+const LEAST_OFFSET: f64 = 1e-3;
+
+/// Where the inner face's glow is seen, beside the outer one's; `None` where that is the same place.
 pub(super) fn faces(
     rig: &Rig,
     world_from_camera: &Pose<World, Camera>,
@@ -57,6 +60,9 @@ pub(super) fn faces(
     let outer = inside.vertices[1];
     let (at_outer, at_inner) = (seen(outer, 0)?, seen(inside.vertices[2], 1)?);
     let offset = Vector2::new(at_inner.u - at_outer.u, at_inner.v - at_outer.v);
+    if offset.norm().is_nan() || offset.norm() <= LEAST_OFFSET {
+        return None;
+    }
     Some(Faces {
         offset,
         stretch: stretch(rig, world_from_camera, wall, at_outer, offset)?,
