@@ -118,9 +118,8 @@ const fn is_number(column: Column) -> bool {
 }
 
 fn body(workbench: Workbench, rows: Vec<usize>) -> impl IntoView {
-    let facts = workbench.facts.get_untracked();
-    let outcome = workbench.outcome.get_untracked();
-    let Some((facts, outcome)) = facts.zip(outcome) else {
+    // The numbers may change and the order stay the same, so the rows follow the outcome themselves.
+    let Some((facts, outcome)) = workbench.facts.get().zip(workbench.outcome.get()) else {
         return ().into_any();
     };
     let first = rows.first().copied();
