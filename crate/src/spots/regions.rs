@@ -36,45 +36,66 @@ pub(super) fn regions(
 
 /// The centroid of a region with its covariance, and its brightness.
 ///
-/// Weights are the differences above the background in the region and one pixel around it, so that the
-/// region's ragged edge does not cut the spot's flanks unevenly. With w_i the differences, x_i the
-/// pixels, c their centroid and s_i^2 the noise's variance at each pixel,
+/// Weights are the differences above the background within an ellipse of three standard deviations of
+/// the spot: a region's own edge follows the noise and would cut the flanks unevenly. With w_i the
+/// differences, x_i the pixels, c their centroid and s_i^2 the noise's variance at each pixel,
 ///
 /// ```text
 /// c = sum w_i x_i / sum w_i,   cov c = sum s_i^2 (x_i - c)(x_i - c)^T / (sum w_i)^2
 /// ```
 pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) -> Spot {
     let field = Field { difference, noise };
-    let pixels = field.widened(region);
-    let all_light = field.widened(&field.widened(&pixels));
+    let around = field.widened(&field.widened(&field.widened(region)));
     let width = difference.width();
     let at = |i: usize| Vector2::new((i % width) as f64, (i / width) as f64);
     let weight = |i: usize| f64::from(difference.at(i)) - noise.offset();
-    // The noise's mean over the widened region is 0, so its total is that of the light.
+    let light = around.iter().map(|i| (at(*i), weight(*i)));
+    let middle = mean(region.iter().map(|i| (at(*i), weight(*i))));
+    let (shape, skew) = higher_moments(light, middle);
+    let inside = ellipse(middle, shape);
+    let pixels: Vec<usize> = around.iter().copied().filter(|i| inside(at(*i))).collect();
+    let centre = mean(pixels.iter().map(|i| (at(*i), weight(*i))));
+    // The noise's mean over the ellipse is 0, so its total is that of the light.
     let total: f64 = pixels.iter().map(|i| weight(*i)).sum();
-    let first = at(region[0]);
-    let mut moment = Vector2::zeros();
-    for i in &pixels {
-        moment += (at(*i) - first) * weight(*i);
-    }
-    let centre = first + moment / total;
     let mut covariance = Matrix2::zeros();
     for i in &pixels {
         let lever = at(*i) - centre;
         covariance += lever * lever.transpose() * noise.variance(difference.level(*i));
     }
     covariance /= total * total;
-    let (shape, skew) = higher_moments(all_light.iter().map(|i| (at(*i), weight(*i))), centre);
     Spot {
         u: centre.x,
         v: centre.y,
         covariance: [covariance.m11, covariance.m12, covariance.m22],
-        shape,
+        shape: [shape.m11, shape.m12, shape.m22],
         skew,
         brightness: total,
         peak: region.iter().map(|i| weight(*i)).fold(0.0, f64::max),
         area: region.len(),
         saturated: region.iter().any(|i| difference.saturated(*i)),
+    }
+}
+
+/// The centroid of light.
+fn mean(light: impl Iterator<Item = (Vector2<f64>, f64)>) -> Vector2<f64> {
+    let (mut moment, mut total) = (Vector2::zeros(), 0.0);
+    for (place, weight) in light {
+        moment += place * weight;
+        total += weight;
+    }
+    moment / total
+}
+
+/// Whether a place lies within three standard deviations of a spot of the given second moments. A spot
+/// is never taken to be smaller than a pixel.
+fn ellipse(centre: Vector2<f64>, shape: Matrix2<f64>) -> impl Fn(Vector2<f64>) -> bool {
+    const STANDARD_DEVIATIONS: f64 = 3.0;
+    const PIXEL: f64 = 0.5;
+    let least = Matrix2::identity() * PIXEL;
+    let metric = (shape + least).try_inverse().unwrap_or(Matrix2::identity());
+    move |place| {
+        let d = place - centre;
+        (d.transpose() * metric * d).x <= STANDARD_DEVIATIONS * STANDARD_DEVIATIONS
     }
 }
 
@@ -87,7 +108,7 @@ pub(super) fn centroid(region: &Region, difference: &Difference, noise: &Noise) 
 fn higher_moments(
     light: impl Iterator<Item = (Vector2<f64>, f64)> + Clone,
     centre: Vector2<f64>,
-) -> ([f64; 3], [f64; 4]) {
+) -> (Matrix2<f64>, [f64; 4]) {
     const LEAST_WINDOW: f64 = 4.0;
     let (plain, _) = windowed_moments(light.clone(), centre, f64::INFINITY);
     let window = (2.0 * plain.trace()).max(LEAST_WINDOW);
@@ -99,10 +120,7 @@ fn higher_moments(
         .map(|inverse| weighted * inverse);
     let shape = widened.unwrap_or(weighted);
     let gain = shape.trace() / weighted.trace();
-    (
-        [shape.m11, shape.m12, shape.m22],
-        third.map(|m| m * gain * gain * gain),
-    )
+    (shape, third.map(|m| m * gain * gain * gain))
 }
 
 /// Second and third central moments under a Gaussian window of variance `window`.
