@@ -12,42 +12,34 @@ fn step(a: &Station, b: &Station) -> f64 {
 /// Sorts stations into sweeps (the paper's "scans": rows of stations along the vessel) and returns each
 /// station's sweep, numbered from 0 in order of appearance.
 ///
-/// A manifest does not say which stations make a row, but a row's stations stand close together: a
-/// station joins the sweep whose last station is nearest, unless that is more than 2.5 times the scan's
-/// usual step away.
+/// A manifest does not say which stations make a row, but within a row they follow one another at even
+/// steps: a station joins the latest sweep whose last station is at most 2.5 usual steps away.
 pub fn sweeps(stations: &[Station]) -> Vec<usize> {
-    let usual = usual_step(stations);
+    let farthest = 2.5 * usual_step(stations);
     let mut last_of: Vec<usize> = Vec::new();
     let mut sweep_of = Vec::with_capacity(stations.len());
     for (index, station) in stations.iter().enumerate() {
-        let nearest = (0..last_of.len())
-            .map(|sweep| (step(&stations[last_of[sweep]], station), sweep))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let sweep = match nearest {
-            Some((distance, sweep)) if distance <= 2.5 * usual => sweep,
-            _ => {
-                last_of.push(index);
-                last_of.len() - 1
-            }
-        };
+        let near = |last: usize| step(&stations[last], station) <= farthest;
+        let latest = (0..last_of.len())
+            .filter(|sweep| near(last_of[*sweep]))
+            .max_by_key(|sweep| last_of[*sweep]);
+        let sweep = latest.unwrap_or_else(|| {
+            last_of.push(index);
+            last_of.len() - 1
+        });
         last_of[sweep] = index;
         sweep_of.push(sweep);
     }
     sweep_of
 }
 
-/// How many stations before and after are looked at: enough for any order in which rows are
-/// interleaved, and few enough for a scan of many thousands.
-const WINDOW: usize = 32;
-
-/// The median over the stations of the way to the nearest other one.
+/// The median over the stations of the way to the nearest of the next few: rows may be interleaved.
 fn usual_step(stations: &[Station]) -> f64 {
+    const NEXT: usize = 4;
     let mut nearest: Vec<f64> = (0..stations.len())
         .filter_map(|i| {
-            let window = i.saturating_sub(WINDOW)..(i + WINDOW).min(stations.len());
-            let others = window.filter(|j| *j != i);
-            others
-                .map(|j| step(&stations[i], &stations[j]))
+            let next = stations[i + 1..].iter().take(NEXT);
+            next.map(|other| step(&stations[i], other))
                 .min_by(f64::total_cmp)
         })
         .collect();
