@@ -21,6 +21,7 @@ pub mod object;
 pub mod optics;
 pub mod pipeline;
 pub mod rig;
+mod robust;
 pub mod scan;
 #[cfg(feature = "simulate")]
 pub mod simulate;

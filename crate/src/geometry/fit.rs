@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::{Direction, Frame, Plane, Point};
+use crate::robust::{self, Choice, median, robust_scale};
 
 /// A measured point and the standard deviation of its distance from the surface, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +58,6 @@ pub enum FitError {
     },
 }
 
-/// Tukey's biweight at 4.685 scales keeps 95 % of the efficiency of least squares.
-const TUKEY: f64 = 4.685;
 const SAMPLES: usize = 400;
 const REWEIGHTINGS: usize = 30;
 
@@ -160,53 +159,28 @@ fn least_median_start<F: Frame>(points: &[WeightedPoint<F>]) -> Result<Plane<F>,
 /// Every triple of a small set; a fixed pseudo-random choice of a large one, so that the same points
 /// give the same plane everywhere.
 fn triples(n: usize) -> Vec<[usize; 3]> {
-    let all = n * (n - 1) * (n - 2) / 6;
-    if all <= SAMPLES {
-        let mut every = Vec::with_capacity(all);
-        for a in 0..n {
-            for b in a + 1..n {
-                every.extend((b + 1..n).map(|c| [a, b, c]));
-            }
-        }
-        return every;
+    /// The largest set with no more triples than samples.
+    const SMALL: usize = 14;
+    if n <= SMALL {
+        let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
+        return pairs
+            .flat_map(|(a, b)| (b + 1..n).map(move |c| [a, b, c]))
+            .collect();
     }
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut below = |bound: usize| {
-        // Marsaglia's xorshift64; the quality needed here is low, the sameness is what counts.
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state % bound as u64) as usize
-    };
-    let mut chosen = Vec::with_capacity(SAMPLES);
-    while chosen.len() < SAMPLES {
-        let triple = [below(n), below(n), below(n)];
-        if triple[0] != triple[1] && triple[1] != triple[2] && triple[0] != triple[2] {
-            chosen.push(triple);
-        }
-    }
-    chosen
+    let mut choice = Choice::new();
+    (0..SAMPLES).filter_map(|_| choice.distinct(n)).collect()
 }
 
 fn residual<F: Frame>(p: &WeightedPoint<F>, plane: &Plane<F>) -> f64 {
     plane.signed_distance(p.point) / p.sigma
 }
 
-/// The robust scale of the normalised residuals; never below 1, so that points are not cast out for
-/// being better than their sigma says.
-fn scale<F: Frame>(points: &[WeightedPoint<F>], plane: &Plane<F>) -> f64 {
-    let sizes = points.iter().map(|p| residual(p, plane).abs()).collect();
-    (1.4826 * median(sizes)).max(1.0)
-}
-
 fn biweights<F: Frame>(points: &[WeightedPoint<F>], plane: &Plane<F>) -> Vec<f64> {
-    let limit = TUKEY * scale(points, plane);
-    let weight = |p: &WeightedPoint<F>| {
-        let u = residual(p, plane) / limit;
-        let keep = (1.0 - u * u).max(0.0);
-        keep * keep / (p.sigma * p.sigma)
-    };
-    points.iter().map(weight).collect()
+    let normalised: Vec<f64> = points.iter().map(|p| residual(p, plane)).collect();
+    let weights = robust::biweights(&normalised).zip(points);
+    weights
+        .map(|(weight, p)| weight / (p.sigma * p.sigma))
+        .collect()
 }
 
 /// How far the plane moved at the points, mm, at most.
@@ -245,6 +219,10 @@ fn summarise<F: Frame>(
         squares += plane.signed_distance(p.point) * plane.signed_distance(p.point);
         chi += residual(p, &plane) * residual(p, &plane);
     }
+    let distances: Vec<f64> = points
+        .iter()
+        .map(|p| plane.signed_distance(p.point))
+        .collect();
     let freedom = count.saturating_sub(3).max(1) as f64;
     let inflation = (chi / freedom).max(1.0);
     let covariance = information
@@ -256,17 +234,6 @@ fn summarise<F: Frame>(
         weights,
         covariance,
         rms: (squares / count as f64).sqrt(),
-        scale: 1.4826
-            * median(
-                points
-                    .iter()
-                    .map(|p| plane.signed_distance(p.point).abs())
-                    .collect(),
-            ),
+        scale: robust_scale(&distances),
     })
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

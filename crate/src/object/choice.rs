@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 use super::uncertainty::{Noise, noise};
 use super::{Meeting, MeetingError, Setup, calibration_sigmas, meet};
 use crate::camera::Pixel;
+use crate::robust::robust_scale;
 use crate::scan::Station;
 use crate::spots::{Spot, Spots};
 
@@ -176,10 +177,9 @@ fn expected_gaps(setup: &Setup, candidates: &[Vec<Candidate>]) -> Vec<f64> {
 /// `None` for too few views to tell.
 fn observed_gap(choices: &[Choice]) -> Option<f64> {
     const LEAST_VIEWS: usize = 8;
-    let gap = |c: &Choice| c.point.as_ref().map(|p| p.meeting.gap().abs());
-    let mut gaps: Vec<f64> = choices.iter().filter_map(gap).collect();
-    gaps.sort_by(f64::total_cmp);
-    (gaps.len() >= LEAST_VIEWS).then(|| 1.4826 * gaps[gaps.len() / 2])
+    let gap = |c: &Choice| c.point.as_ref().map(|p| p.meeting.gap());
+    let gaps: Vec<f64> = choices.iter().filter_map(gap).collect();
+    (gaps.len() >= LEAST_VIEWS).then(|| robust_scale(&gaps))
 }
 
 /// Chooses among a view's candidates; `common` is the part of the ray distance's standard deviation that

@@ -1,4 +1,5 @@
 use super::Station;
+use crate::robust::median;
 
 /// How far apart two stations are, mm: the way between the cameras, and what turning does at the
 /// distance a vessel usually stands at.
@@ -36,13 +37,15 @@ pub fn sweeps(stations: &[Station]) -> Vec<usize> {
 /// The median over the stations of the way to the nearest of the next few: rows may be interleaved.
 fn usual_step(stations: &[Station]) -> f64 {
     const NEXT: usize = 4;
-    let mut nearest: Vec<f64> = (0..stations.len())
+    let nearest: Vec<f64> = (0..stations.len())
         .filter_map(|i| {
             let next = stations[i + 1..].iter().take(NEXT);
             next.map(|other| step(&stations[i], other))
                 .min_by(f64::total_cmp)
         })
         .collect();
-    nearest.sort_by(f64::total_cmp);
-    nearest.get(nearest.len() / 2).copied().unwrap_or(0.0)
+    if nearest.is_empty() {
+        return 0.0;
+    }
+    median(nearest)
 }

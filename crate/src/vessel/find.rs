@@ -11,6 +11,7 @@ use crate::camera::Pixel;
 use crate::geometry::{FitError, Point, WeightedPoint, World};
 use crate::optics::{Media, Surface};
 use crate::rig::Rig;
+use crate::robust;
 use crate::scan::{Scan, Station, VesselShape};
 use crate::spots::{Spot, Spots};
 
@@ -250,9 +251,7 @@ impl Finder<'_> {
     ) -> Result<SurfaceFit, VesselError> {
         const FARTHEST: f64 = 5.0;
         let fit = hold(points, known);
-        let mut off: Vec<f64> = fit.residuals.iter().copied().collect();
-        off.sort_by(f64::total_cmp);
-        let median = off[off.len() / 2];
+        let median = robust::median(fit.residuals.iter().copied().collect());
         if median.abs() > FARTHEST || fit.scale > FARTHEST {
             return Err(VesselError::KnownWallMisses { median });
         }
@@ -430,9 +429,8 @@ impl VesselFit {
     /// The median of how far the vessel's spots lie off the epipolar line, px, with its sign: 0 if the
     /// laser's calibration is right.
     pub fn median_off_line(&self) -> Option<f64> {
-        let mut off: Vec<f64> = self.points.iter().flatten().map(|p| p.off_line).collect();
-        off.sort_by(f64::total_cmp);
-        off.get(off.len() / 2).copied()
+        let off: Vec<f64> = self.points.iter().flatten().map(|p| p.off_line).collect();
+        (!off.is_empty()).then(|| robust::median(off))
     }
 }
 

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
-use super::refine::{SurfaceFit, biweights, robust_scale, supported_rms};
+use super::refine::{SurfaceFit, biweights, supported_rms};
 use crate::geometry::{Plane, WeightedPoint, World};
 use crate::optics::{Freeform, Grid, Sheet, Surface, convex_hull};
+use crate::robust::robust_scale;
 
 /// Fits heights over a reference plane (P-splines after P. Eilers and B. Marx, 1996).
 ///

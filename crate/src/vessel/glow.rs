@@ -18,11 +18,11 @@
 use nalgebra::Vector2;
 
 use super::Wall;
-use super::refine::robust_scale;
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Point, Pose, World};
 use crate::optics::{Media, aim_through};
 use crate::rig::Rig;
+use crate::robust::{median, robust_scale};
 use crate::scan::InsideMedium;
 use crate::spots::Spot;
 
@@ -168,10 +168,9 @@ fn share(excess: f64) -> f64 {
 }
 
 /// The median and its own standard deviation, 1.25 times that of a mean.
-fn median_and_sigma(mut values: Vec<f64>) -> (f64, f64) {
-    values.sort_by(f64::total_cmp);
-    let middle = values[values.len() / 2];
+fn median_and_sigma(values: Vec<f64>) -> (f64, f64) {
+    let root = (values.len() as f64).sqrt();
+    let middle = median(values.clone());
     let off: Vec<f64> = values.iter().map(|x| x - middle).collect();
-    let sigma = 1.25 * robust_scale(&off) / (values.len() as f64).sqrt();
-    (middle, sigma)
+    (middle, 1.25 * robust_scale(&off) / root)
 }

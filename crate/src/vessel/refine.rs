@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::freeform;
 use crate::geometry::{WeightedPoint, World};
 use crate::optics::Surface;
+use crate::robust::{self, robust_scale};
 
 /// A surface fitted to points.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +30,6 @@ pub(super) struct SurfaceFit {
     pub(super) scale: f64,
 }
 
-/// Tukey's biweight at 4.685 scales keeps 95 % of the efficiency of least squares.
-const TUKEY: f64 = 4.685;
 const STEPS: usize = 60;
 /// Parameters are radians and mm alike: small against both, large against rounding.
 const DERIVATIVE_STEP: f64 = 1e-5;
@@ -171,21 +170,10 @@ pub(super) fn biweights(points: &[WeightedPoint<World>], surface: &Surface) -> V
         .iter()
         .map(|p| surface.signed_distance(p.point) / p.sigma)
         .collect();
-    // Never below 1, so that points are not cast out for being better than their sigma says.
-    let scale = robust_scale(&normalised).max(1.0);
-    let weight = |(p, z): (&WeightedPoint<World>, &f64)| {
-        let u = z / (TUKEY * scale);
-        let keep = (1.0 - u * u).max(0.0);
-        keep * keep / (p.sigma * p.sigma)
-    };
-    points.iter().zip(&normalised).map(weight).collect()
-}
-
-/// 1.4826 times the median size: the standard deviation, for normal errors.
-pub(super) fn robust_scale(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
-    let middle = sizes.len() / 2;
-    1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+    let weights = robust::biweights(&normalised).zip(points);
+    weights
+        .map(|(weight, p)| weight / (p.sigma * p.sigma))
+        .collect()
 }
 
 fn summarise(points: &[WeightedPoint<World>], surface: Surface) -> Option<SurfaceFit> {

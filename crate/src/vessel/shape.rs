@@ -5,6 +5,7 @@ use super::refine::{SurfaceFit, refine};
 use super::start;
 use crate::geometry::{FitError, Point, WeightedPoint, World, fit_plane};
 use crate::optics::Surface;
+use crate::robust::tukey_loss;
 use crate::scan::VesselShape;
 
 /// What `auto` decided between.
@@ -136,12 +137,4 @@ fn choose(
         margin: next - least,
     });
     Ok((fit, choice))
-}
-
-/// Tukey's loss, scaled so that it is z^2 near zero; it levels off at 4.685^2 / 3.
-fn tukey_loss(z: f64) -> f64 {
-    const C: f64 = 4.685;
-    let u = (z / C) * (z / C);
-    let rest = (1.0 - u).max(0.0);
-    C * C / 3.0 * (1.0 - rest * rest * rest)
 }

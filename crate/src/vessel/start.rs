@@ -6,9 +6,9 @@
 
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
-use super::refine::robust_scale;
 use crate::geometry::{Direction, Plane, Point, WeightedPoint, World};
 use crate::optics::{Cylinder, Sphere, Surface};
+use crate::robust::{Choice, robust_scale};
 
 /// Points looked at by the search: enough for a median, few enough for thousands of trials.
 const MOST_POINTS: usize = 120;
@@ -142,37 +142,4 @@ fn sphere_through(points: [Point<World>; 4]) -> Option<Sphere> {
         centre: Point::from_coords(centre),
         radius,
     })
-}
-
-/// Marsaglia's xorshift64: the quality needed is low, the sameness is what counts.
-struct Choice(u64);
-
-impl Choice {
-    const fn new() -> Self {
-        Self(0x9E37_79B9_7F4A_7C15)
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % bound as u64) as usize
-    }
-
-    /// N different numbers below `bound`, or none for too small a bound.
-    fn distinct<const N: usize>(&mut self, bound: usize) -> Option<[usize; N]> {
-        if bound < N {
-            return None;
-        }
-        let mut chosen = [0; N];
-        let mut count = 0;
-        while count < N {
-            let next = self.below(bound);
-            if !chosen[..count].contains(&next) {
-                chosen[count] = next;
-                count += 1;
-            }
-        }
-        Some(chosen)
-    }
 }

@@ -1,0 +1,73 @@
+//! What fits share that must not be led astray by a few wrong points: medians, Tukey's biweight, and a
+//! choice of samples that is the same everywhere.
+
+/// The median (the upper one of an even number).
+///
+/// # Panics
+///
+/// If there are no values.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// 1.4826 times the median size: the standard deviation, for normal errors.
+pub(crate) fn robust_scale(values: &[f64]) -> f64 {
+    1.4826 * median(values.iter().map(|value| value.abs()).collect())
+}
+
+/// Tukey's biweight at 4.685 scales keeps 95 % of the efficiency of least squares.
+const TUKEY: f64 = 4.685;
+
+/// Tukey's biweights of normalised residuals, at their own robust scale. That is never taken to be below
+/// 1, so that points are not cast out for being better than their sigma says.
+pub(crate) fn biweights(normalised: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    let scale = robust_scale(normalised).max(1.0);
+    normalised.iter().map(move |z| {
+        let u = z / (TUKEY * scale);
+        let keep = (1.0 - u * u).max(0.0);
+        keep * keep
+    })
+}
+
+/// Tukey's loss, scaled so that it is z^2 near zero; it levels off at 4.685^2 / 3.
+pub(crate) fn tukey_loss(z: f64) -> f64 {
+    let u = (z / TUKEY) * (z / TUKEY);
+    let rest = (1.0 - u).max(0.0);
+    TUKEY * TUKEY / 3.0 * (1.0 - rest * rest * rest)
+}
+
+/// A repeatable choice of samples: Marsaglia's xorshift64. The quality needed is low, the sameness is
+/// what counts.
+pub(crate) struct Choice(u64);
+
+impl Choice {
+    /// Always starts the same.
+    pub(crate) const fn new() -> Self {
+        Self(0x9E37_79B9_7F4A_7C15)
+    }
+
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % bound as u64) as usize
+    }
+
+    /// N different numbers below `bound`, or none for too small a bound.
+    pub(crate) fn distinct<const N: usize>(&mut self, bound: usize) -> Option<[usize; N]> {
+        if bound < N {
+            return None;
+        }
+        let mut chosen = [0; N];
+        let mut count = 0;
+        while count < N {
+            let next = self.below(bound);
+            if !chosen[..count].contains(&next) {
+                chosen[count] = next;
+                count += 1;
+            }
+        }
+        Some(chosen)
+    }
+}
