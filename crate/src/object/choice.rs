@@ -1,10 +1,11 @@
 use serde::{Deserialize, Serialize};
 
+use super::grain;
 use super::uncertainty::{Noise, noise};
 use super::{Meeting, MeetingError, Setup, calibration_sigmas, meet};
 use crate::camera::Pixel;
 use crate::robust::robust_scale;
-use crate::scan::Station;
+use crate::scan::{Station, sweeps};
 use crate::spots::{Spot, Spots};
 
 /// How object points are chosen.
@@ -108,9 +109,28 @@ pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) ->
             .collect()
     };
     let first = choose_all(f64::INFINITY);
-    match observed_gap(&first) {
+    let mut choices = match observed_gap(&first) {
         Some(observed) => choose_all(observed),
         None => first,
+    };
+    count_grain(setup, spots, &mut choices);
+    choices
+}
+
+/// Puts the grain that the object's own spots show into their points' standard deviations, where there
+/// are enough of them to show it.
+fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {
+    let Some(grain) = grain::estimate(choices, &sweeps(setup.stations)) else {
+        return;
+    };
+    for (view, choice) in choices.iter_mut().enumerate() {
+        let Some(point) = &mut choice.point else {
+            continue;
+        };
+        let spot = &spots[view].spots[point.spot];
+        if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
+            point.noise = noise;
+        }
     }
 }
 
@@ -157,7 +177,7 @@ fn examine(
     if depth.is_nan() || depth < settings.nearest {
         return Err(Refusal::BeforeInnerFace { depth });
     }
-    let noise = noise(setup, station, spot).map_err(Refusal::NoMeeting)?;
+    let noise = noise(setup, station, spot, setup.vessel.grain).map_err(Refusal::NoMeeting)?;
     Ok((meeting, noise))
 }
 

@@ -2,6 +2,7 @@
 //! standard deviations, and which of several spots is real (section II-D of the paper).
 
 mod choice;
+mod grain;
 mod meeting;
 mod uncertainty;
 

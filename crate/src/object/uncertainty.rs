@@ -17,6 +17,10 @@ pub struct Noise {
     pub covariance: Matrix3<f64>,
     /// One standard deviation of the signed ray distance, mm.
     pub gap: f64,
+    /// The part of the ray distance's variance that the camera's noise makes at this spot alone, mm^2.
+    pub gap_camera: f64,
+    /// What one unit of grain adds to the ray distance's variance, mm^2.
+    pub gap_grain: f64,
 }
 
 impl Noise {
@@ -49,8 +53,14 @@ const WALL_STEP: f64 = 1e-5;
 
 /// Propagates the centroid's covariance and that of the wall's fit to a point.
 ///
-/// Fails where a ray that is moved a little no longer gets through.
-pub fn noise(setup: &Setup, station: &Station, spot: &Spot) -> Result<Noise, MeetingError> {
+/// `grain` is that of the laser's light, see [`Spot::covariance_with`]. Fails where a ray that is moved a
+/// little no longer gets through.
+pub fn noise(
+    setup: &Setup,
+    station: &Station,
+    spot: &Spot,
+    grain: f64,
+) -> Result<Noise, MeetingError> {
     let wall = &setup.vessel.wall;
     let stack = wall.stack(&setup.media, station.inside)?;
     let seen = |du: f64, dv: f64| {
@@ -84,25 +94,29 @@ pub fn noise(setup: &Setup, station: &Station, spot: &Spot) -> Result<Noise, Mee
             ))
         })
         .collect::<Result<Vec<_>, MeetingError>>()?;
-    let pixel_covariance = spot.covariance_with(setup.vessel.grain);
-    let mut noise = Noise {
-        covariance: Matrix3::zeros(),
-        gap: 0.0,
-    };
-    add(&mut noise, &by_pixel, |i, j| pixel_covariance[(i, j)]);
-    add(&mut noise, &by_wall, |i, j| wall.covariance[(i, j)]);
-    noise.gap = noise.gap.sqrt();
-    Ok(noise)
+    let camera = spot.covariance_matrix();
+    let grainy = spot.covariance_with(grain);
+    let (of_spot, gap) = propagated(&by_pixel, |i, j| grainy[(i, j)]);
+    let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(i, j)]);
+    let unit_of_grain = spot.covariance_with(1.0) - camera;
+    Ok(Noise {
+        covariance: of_spot + of_wall,
+        gap: (gap + wall_gap).sqrt(),
+        gap_camera: propagated(&by_pixel, |i, j| camera[(i, j)]).1,
+        gap_grain: propagated(&by_pixel, |i, j| unit_of_grain[(i, j)]).1,
+    })
 }
 
-/// Adds J C J^T, for the point and (as a variance) for the gap.
-fn add(noise: &mut Noise, slopes: &[Slope], covariance: impl Fn(usize, usize) -> f64) {
+/// J C J^T for the point, and the same for the gap, a variance.
+fn propagated(slopes: &[Slope], covariance: impl Fn(usize, usize) -> f64) -> (Matrix3<f64>, f64) {
+    let (mut point, mut gap) = (Matrix3::zeros(), 0.0);
     for (i, a) in slopes.iter().enumerate() {
         for (j, b) in slopes.iter().enumerate() {
-            noise.covariance += a.point * b.point.transpose() * covariance(i, j);
-            noise.gap += a.gap * b.gap * covariance(i, j);
+            point += a.point * b.point.transpose() * covariance(i, j);
+            gap += a.gap * b.gap * covariance(i, j);
         }
     }
+    (point, gap)
 }
 
 /// What an error common to all views does to a point and its ray distance: standard deviations, mm.
