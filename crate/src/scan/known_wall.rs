@@ -1,6 +1,6 @@
 //! A wall that the manifest knows beforehand.
 
-use super::validate::positive;
+use super::check::positive;
 use super::{Place, ScanError, VesselEntry, VesselShape};
 use crate::geometry::{Direction, Plane, Point, World};
 use crate::optics::{Cylinder, Sphere, Surface};

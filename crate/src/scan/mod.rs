@@ -1,6 +1,7 @@
 //! What a scan is: its manifest, the archive that holds it, the pictures of its views.
 
 mod archive;
+mod check;
 mod error;
 mod known_wall;
 mod manifest;

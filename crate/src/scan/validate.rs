@@ -1,5 +1,6 @@
 //! From the manifest as it was written to a scan that can be measured.
 
+use super::check::positive;
 use super::{
     CalibrationSigmaEntry, Extra, InsideMedium, LaserKind, Limits, Manifest, Place, PoseEntry,
     ScanError, known_wall,
@@ -226,16 +227,6 @@ fn check_vessel(manifest: &Manifest) -> Result<(), ScanError> {
         positive(far.thickness, "vessel.far_wall.thickness")?;
     }
     Ok(())
-}
-
-pub(super) fn positive(value: f64, place: &str) -> Result<(), ScanError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(ScanError::value(
-        Place::key(place),
-        format!("{value}; it must be greater than 0"),
-    ))
 }
 
 fn calibration_sigma(entry: Option<&CalibrationSigmaEntry>) -> Result<CalibrationSigma, ScanError> {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use super::glow::{self, Faces, Glows};
 use super::grain::{self, OffLine};
 use super::pick::{self, Candidate};
-use super::refine::{SurfaceFit, hold, refine};
+use super::refine::{SurfaceFit, hold};
 use super::shape::{self, ShapeChoice};
 use super::wall::{FarWall, NoRoom, Wall};
 use crate::camera::Pixel;
@@ -310,7 +310,7 @@ impl Finder<'_> {
         if let Some(known) = &self.known {
             return Ok(hold(&points, known.clone()));
         }
-        refine(&points, start).ok_or(VesselError::Undetermined { shape: "wall" })
+        shape::refit(&points, start).ok_or(VesselError::Undetermined { shape: "wall" })
     }
 
     fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {

@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::freeform;
 use crate::geometry::{WeightedPoint, World};
 use crate::optics::Surface;
 use crate::robust::{self, robust_scale};
@@ -40,9 +39,6 @@ const DERIVATIVE_STEP: f64 = 1e-5;
 /// The covariance is that of the weighted fit, scaled up where the residuals are larger than the
 /// points' sigmas.
 pub(super) fn refine(points: &[WeightedPoint<World>], start: &Surface) -> Option<SurfaceFit> {
-    if let Surface::Freeform(freeform) = start {
-        return freeform::fit(points, freeform.sheet().reference);
-    }
     let mut surface = start.clone();
     for _ in 0..STEPS {
         let weights = biweights(points, &surface);

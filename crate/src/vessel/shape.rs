@@ -1,6 +1,7 @@
 //! Fitting each shape, and choosing the simplest that the points support.
 
 use super::VesselError;
+use super::freeform;
 use super::refine::{SurfaceFit, refine};
 use super::start;
 use crate::geometry::{FitError, Point, WeightedPoint, World, fit_plane};
@@ -62,9 +63,7 @@ fn fit_one(
             found: points.len(),
         });
     }
-    let fits = starts
-        .into_iter()
-        .filter_map(|start| refine(points, &start));
+    let fits = starts.into_iter().filter_map(|start| refit(points, &start));
     let fit = fits
         .filter(|fit| fit.surface.signed_distance(front) > 0.0)
         .min_by(|a, b| a.scale.total_cmp(&b.scale))
@@ -77,6 +76,14 @@ fn fit_one(
         }));
     }
     Ok(fit)
+}
+
+/// Fits a surface anew, from where it is.
+pub(super) fn refit(points: &[WeightedPoint<World>], start: &Surface) -> Option<SurfaceFit> {
+    match start {
+        Surface::Freeform(freeform) => freeform::fit(points, freeform.sheet().reference),
+        of_few_numbers => refine(points, of_few_numbers),
+    }
 }
 
 /// Takes the shape of the least Bayesian information criterion,
