@@ -12,7 +12,7 @@ mod truth;
 
 pub use scene::{
     Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Vessel,
+    Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -20,9 +20,9 @@ pub use truth::{Truth, TruthView};
 use nalgebra::UnitQuaternion;
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Point, Pose, Ray, World};
+use crate::geometry::{Camera, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
-use crate::scan::{InsideMedium, Manifest, PicturePair, PoseEntry, Scan, ViewEntry};
+use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
 
@@ -188,18 +188,12 @@ impl Simulation {
     }
 }
 
-/// A camera's pose as the manipulator would have to report it.
-fn flange_entry(
-    world_from_camera: &Pose<World, Camera>,
-    scene: &Scene,
-) -> Result<PoseEntry, SceneError> {
-    let flange_from_camera = scene.hand_eye()?;
-    let world_from_flange = *world_from_camera * flange_from_camera.inverse();
-    Ok(PoseEntry {
-        rotation: world_from_flange.quaternion(),
-        translation: world_from_flange.translation().into(),
+fn pose_entry<A: Frame, B: Frame>(pose: &Pose<A, B>) -> PoseEntry {
+    PoseEntry {
+        rotation: pose.quaternion(),
+        translation: pose.translation().into(),
         extra: Default::default(),
-    })
+    }
 }
 
 impl Scene {
@@ -208,11 +202,17 @@ impl Scene {
         index: usize,
         world_from_camera: &Pose<World, Camera>,
     ) -> Result<ViewEntry, SceneError> {
+        let world_from_flange = *world_from_camera * self.hand_eye()?.inverse();
+        let (of_rig, of_vessel) = match self.motion() {
+            Motion::Rig => (Some(pose_entry(&world_from_flange)), None),
+            Motion::Vessel => (None, Some(pose_entry(&world_from_flange.inverse()))),
+        };
         Ok(ViewEntry {
             id: format!("{index:04}"),
             on: format!("images/{index:04}-on.png"),
             off: Some(format!("images/{index:04}-off.png")),
-            world_from_flange: flange_entry(world_from_camera, self)?,
+            world_from_flange: of_rig,
+            flange_from_world: of_vessel,
             inside: InsideMedium::Liquid,
             extra: Default::default(),
         })

@@ -165,7 +165,7 @@ pub fn find_vessel(
             distance: far.distance,
             thickness: far.thickness,
         }),
-        front: mean_position(&scan.stations),
+        front: usual_place(&scan.stations),
     };
     finder.find()
 }
@@ -456,10 +456,11 @@ impl VesselFit {
     }
 }
 
-fn mean_position(stations: &[Station]) -> Point<World> {
-    let sum: Vector3<f64> = stations
-        .iter()
-        .map(|s| s.world_from_camera.translation())
-        .sum();
-    Point::from_coords(sum / stations.len() as f64)
+/// Where the rig usually stands: the station nearest to the mean of all. The mean itself may lie within
+/// the vessel, where the rig went all the way around it.
+fn usual_place(stations: &[Station]) -> Point<World> {
+    let places = stations.iter().map(|s| s.world_from_camera.translation());
+    let mean = places.clone().sum::<Vector3<f64>>() / stations.len() as f64;
+    let nearest = places.min_by(|a, b| (a - mean).norm().total_cmp(&(b - mean).norm()));
+    Point::from_coords(nearest.unwrap_or(mean))
 }
