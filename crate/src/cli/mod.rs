@@ -4,6 +4,8 @@
 //! program ends with 0, with 1 if the input is at fault, and with 2 if it was called wrongly.
 
 mod check;
+mod export;
+mod files;
 mod reconstruct;
 mod schema;
 mod simulate;
@@ -31,6 +33,8 @@ struct Arguments {
 enum Command {
     /// Measures vessel and object of a scan archive
     Reconstruct(reconstruct::Arguments),
+    /// Writes a result in other formats
+    Export(export::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
@@ -84,6 +88,7 @@ fn print(text: &str) -> Result<(), Failure> {
 pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),

@@ -1,8 +1,7 @@
-use std::fs;
 use std::path::PathBuf;
 
-use super::{Failure, views};
-use crate::export::{ReconstructionResult, object_ply, points_csv, vessel_ply};
+use super::{Failure, files, views};
+use crate::export::{Format, ReconstructionResult};
 use crate::pipeline::{Reconstruction, Settings, reconstruct};
 
 /// Arguments of `snellius reconstruct`.
@@ -11,9 +10,12 @@ pub(super) struct Arguments {
     /// The scan archive
     #[arg(value_name = "SCAN.zip")]
     scan: PathBuf,
-    /// The folder that result.json, object.ply, vessel.ply and points.csv are written to
+    /// The folder that the files are written to
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
+    /// What to write, separated by commas; json,ply,vessel-ply,csv if left out
+    #[arg(long, short, value_delimiter = ',', value_name = "FORMATS", value_parser = files::format)]
+    formats: Option<Vec<Format>>,
     /// The liquid's refractive index, in place of the scan's
     #[arg(long, value_name = "N")]
     index: Option<f64>,
@@ -37,24 +39,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             error,
         })?;
     let result = reconstruction.result();
-    write(arguments, &result)?;
+    let formats = arguments.formats.as_deref().unwrap_or(&Format::USUAL);
+    files::write(&arguments.output, &result, formats)?;
     summarise(&reconstruction, &result);
-    Ok(())
-}
-
-fn write(arguments: &Arguments, result: &ReconstructionResult) -> Result<(), Failure> {
-    let folder = &arguments.output;
-    fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
-    let files = [
-        ("result.json", result.to_json()),
-        ("object.ply", object_ply(result)),
-        ("vessel.ply", vessel_ply(result)),
-        ("points.csv", points_csv(result)),
-    ];
-    for (name, text) in files {
-        let path = folder.join(name);
-        fs::write(&path, text).map_err(|e| Failure::file(&path, e))?;
-    }
     Ok(())
 }
 

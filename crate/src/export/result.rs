@@ -83,6 +83,12 @@ pub enum OneOrMany<T> {
     Many(Vec<T>),
 }
 
+impl<T> Default for OneOrMany<T> {
+    fn default() -> Self {
+        Self::One(None)
+    }
+}
+
 impl<T> OneOrMany<T> {
     /// All of them, however many there are.
     pub fn as_slice(&self) -> &[T] {
@@ -243,6 +249,9 @@ result! {
     pub struct ViewResult {
         /// Its id in the manifest.
         pub id: String,
+        /// The sweep (row of stations) it belongs to, from 0.
+        #[serde(default)]
+        pub sweep: u32,
         /// What became of it.
         pub status: Status,
         /// Why it has no object point.
@@ -258,6 +267,10 @@ result! {
         pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
         pub ray_distance: OneOrMany<f64>,
+        /// Where the point would lie if refraction were ignored (Fig. 11 b), world frame, mm; `null` where
+        /// the straight rays do not meet.
+        #[serde(default)]
+        pub object_unrefracted: OneOrMany<Option<[f64; 3]>>,
         /// The spots that were found.
         pub spots: Vec<SpotResult>,
     }
@@ -274,7 +287,37 @@ result! {
     }
 }
 
+/// Why a file is no result.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultError {
+    /// It is no JSON, or not of this format.
+    #[error("{place}: {problem}")]
+    Format {
+        /// Where in the file.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// A later program wrote it.
+    #[error("version: {0} is not known; this program reads version 1")]
+    Version(u32),
+}
+
 impl ReconstructionResult {
+    /// Reads `result.json`.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, ResultError> {
+        let mut json = serde_json::Deserializer::from_slice(bytes);
+        let result: Self =
+            serde_path_to_error::deserialize(&mut json).map_err(|error| ResultError::Format {
+                place: error.path().to_string(),
+                problem: error.into_inner().to_string(),
+            })?;
+        match result.version {
+            1 => Ok(result),
+            other => Err(ResultError::Version(other)),
+        }
+    }
+
     /// The file's bytes: JSON, indented, with a final line break.
     ///
     /// The same reconstruction gives the same bytes everywhere.
