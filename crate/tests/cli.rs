@@ -60,7 +60,7 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
     assert_eq!(read("result.json"), result.to_json(), "the library's bytes");
 
     // What other programs read: the PLY header's counts and columns, one CSV line a view.
-    for (name, count, columns) in [("object.ply", 10, 7), ("vessel.ply", 10, 3)] {
+    for (name, count, columns) in [("object.ply", 10, 9), ("vessel.ply", 10, 3)] {
         let ply = read(name);
         let (header, body) = ply.split_once("end_header\n").unwrap();
         assert!(header.starts_with("ply\nformat ascii 1.0\n"), "{header}");
@@ -68,7 +68,7 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
             header.contains(&format!("element vertex {count}\n")),
             "{header}"
         );
-        assert_eq!(header.matches("property double").count(), columns);
+        assert_eq!(header.matches("\nproperty ").count(), columns);
         assert_eq!(body.lines().count(), count);
         assert!(
             body.lines().all(
@@ -83,6 +83,55 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
     let place = result.views[3].object.first().unwrap();
     assert!(lines[4].starts_with("0003,ok,"), "{}", lines[4]);
     assert!(lines[4].contains(&format!(",{},{},{},", place[0], place[1], place[2])));
+}
+
+#[test]
+fn formats_are_written_as_asked_from_a_scan_and_from_its_result_alike() {
+    let folder = Folder::new();
+    let scan = folder.write("scan.zip", &small_scan());
+    let (from_scan, from_result) = (folder.path("scan"), folder.path("result"));
+    let run = |command: &str, input: &std::path::Path, formats: &str, output: &std::path::Path| {
+        snellius(&[
+            OsStr::new(command),
+            input.as_ref(),
+            "--formats".as_ref(),
+            formats.as_ref(),
+            "--output".as_ref(),
+            output.as_ref(),
+        ])
+    };
+    let formats = "json,las,e57,glb,html";
+    let names = [
+        "result.json",
+        "object.las",
+        "object.e57",
+        "scene.glb",
+        "report.html",
+    ];
+    assert_ends_with(&run("reconstruct", &scan, formats, &from_scan), 0);
+    let result = from_scan.join("result.json");
+    assert_ends_with(&run("export", &result, formats, &from_result), 0);
+    for directory in [&from_scan, &from_result] {
+        assert_eq!(fs::read_dir(directory).unwrap().count(), names.len());
+    }
+    for name in names {
+        let read = |directory: &std::path::Path| fs::read(directory.join(name)).unwrap();
+        assert!(read(&from_scan) == read(&from_result), "{name} differs");
+    }
+
+    let wrong = assert_ends_with(&run("export", &result, "docx", &from_result), 2);
+    assert!(
+        wrong.contains("docx") && wrong.contains("vessel-ply"),
+        "{wrong}"
+    );
+    let archive = assert_ends_with(&run("export", &scan, "las", &from_result), 1);
+    assert!(archive.contains("snellius reconstruct"), "{archive}");
+    let broken = folder.write(
+        "broken.json",
+        br#"{"format":"refractive-reconstruction","version":"1"}"#,
+    );
+    let broken = assert_ends_with(&run("export", &broken, "las", &from_result), 1);
+    assert!(broken.contains("broken.json: version: "), "{broken}");
 }
 
 #[test]

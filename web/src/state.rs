@@ -4,14 +4,14 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use futures::future::{AbortHandle, Aborted, abortable};
+use js_sys::Uint8Array;
 use leptos::prelude::*;
+use snellius::export::Format;
 use snellius::pipeline::Settings;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
-use crate::run::{
-    Facts, FileKind, Hand, Outcome, PictureSet, Problem, ProblemKind, Progress, Run, run,
-};
+use crate::run::{Facts, Hand, Outcome, PictureSet, Problem, ProblemKind, Progress, Run, run};
 
 /// What the colours of the object's points mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -260,14 +260,14 @@ impl Workbench {
     }
 
     /// Writes a file from the result that is shown.
-    pub(crate) async fn write(self, kind: FileKind) -> Result<String, Problem> {
+    pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
         let hand = self.hand.get_value();
         let hand = hand.ok_or_else(|| Problem::own("There is no result to save."))?;
         if self.remeasure.get_value() != Remeasure::Idle {
             // An index that was typed just now is still to be measured: the file shall have it.
             let _ = hand.measure(self.settings.get_untracked()).await;
         }
-        hand.write(kind).await
+        hand.write(format).await
     }
 
     fn is_current(self, hand: &Rc<Hand>) -> bool {

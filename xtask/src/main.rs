@@ -6,6 +6,8 @@
 //! | `tools.rs` | Trunk and the wasm-bindgen programs, built once into the user's cache |
 //! | `pins.rs` | which versions of them, read from `Trunk.toml` |
 //! | `browser.rs` | Chromium and chromedriver: find them, or install them |
+//! | `python.rs` | other people's readers of our exports, in a virtual environment |
+//! | `packages.rs`, `cache.rs` | the distribution's packages; where what was built once is kept |
 //! | `page.rs` | the page through Trunk |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
@@ -17,9 +19,12 @@
 
 mod bench;
 mod browser;
+mod cache;
+mod packages;
 mod page;
 mod pins;
 mod process;
+mod python;
 mod serve;
 mod setup;
 mod test;

@@ -3,6 +3,7 @@
 use std::{
     ffi::OsString,
     fs,
+    path::PathBuf,
     process::Command,
     time::{Duration, Instant},
 };
@@ -13,7 +14,10 @@ use lexopt::prelude::*;
 use crate::{
     browser,
     page::{self, Profile},
-    process::{Count, build_directory, cargo, executable, root, run as run_to_end, run_tests},
+    process::{
+        Count, build_directory, cargo, executable, program, root, run as run_to_end, run_tests,
+    },
+    python,
     setup::{self, WASM},
     tools,
 };
@@ -24,16 +28,18 @@ pub(crate) enum Step {
     Fmt,
     Clippy,
     Native,
+    Exports,
     Wasm,
     Page,
     E2e,
 }
 
 impl Step {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 7] = [
         Self::Fmt,
         Self::Clippy,
         Self::Native,
+        Self::Exports,
         Self::Wasm,
         Self::Page,
         Self::E2e,
@@ -44,6 +50,7 @@ impl Step {
             Self::Fmt => "fmt",
             Self::Clippy => "clippy",
             Self::Native => "native",
+            Self::Exports => "exports",
             Self::Wasm => "wasm",
             Self::Page => "page",
             Self::E2e => "e2e",
@@ -55,6 +62,7 @@ impl Step {
             Self::Fmt => "formatting",
             Self::Clippy => "clippy, warnings are errors",
             Self::Native => "native tests",
+            Self::Exports => "exports read back by other programs (Python)",
             Self::Wasm => "tests of the core as WebAssembly in headless Chromium",
             Self::Page => "the page, as it is published",
             Self::E2e => "end-to-end tests of page and companion program in headless Chromium",
@@ -78,6 +86,7 @@ impl Step {
             Self::Fmt => formatting(),
             Self::Clippy => clippy(),
             Self::Native => native_tests(rest),
+            Self::Exports => exports(rest),
             Self::Wasm => wasm_tests(rest),
             Self::Page => page(),
             Self::E2e => end_to_end_tests(rest),
@@ -181,6 +190,36 @@ fn native_tests(rest: &[OsString]) -> Result<Count> {
     run_tests(cargo(packages.split(' ')).args(rest))
 }
 
+/// Every export, read by a program that is not ours.
+fn exports(rest: &[OsString]) -> Result<Count> {
+    let python = python::ensure()?;
+    let companion = companion()?;
+    let mut tests = program(python);
+    tests
+        .arg(python::tests().join("read_back.py"))
+        .args(rest)
+        .env("SNELLIUS_CLI", companion);
+    run_tests(&mut tests)
+}
+
+/// Builds the companion program.
+fn companion() -> Result<PathBuf> {
+    run_to_end(&mut cargo([
+        "build",
+        "--package",
+        "snellius",
+        "--bin",
+        "snellius",
+    ]))?;
+    let companion = build_directory()?.join(executable("snellius"));
+    ensure!(
+        companion.is_file(),
+        "no companion program at {}",
+        companion.display()
+    );
+    Ok(companion)
+}
+
 /// The core's test files named `wasm…`, in the browser that people will use it in.
 fn wasm_tests(rest: &[OsString]) -> Result<Count> {
     setup::wasm_target()?;
@@ -239,20 +278,7 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
         );
     }
     let browser = browser::find_or_install()?;
-    run_to_end(&mut cargo([
-        "build",
-        "--package",
-        "snellius",
-        "--bin",
-        "snellius",
-    ]))?;
-    let companion = build_directory()?.join(executable("snellius"));
-    ensure!(
-        companion.is_file(),
-        "no companion program at {}",
-        companion.display()
-    );
-
+    let companion = companion()?;
     let mut tests: Command = cargo(["test", "--no-fail-fast", "--package", "snellius-tests"]);
     tests
         .args(rest)

@@ -312,6 +312,10 @@ impl ReconstructionResult {
                 place: error.path().to_string(),
                 problem: error.into_inner().to_string(),
             })?;
+        json.end().map_err(|error| ResultError::Format {
+            place: "after the result".to_owned(),
+            problem: error.to_string(),
+        })?;
         match result.version {
             1 => Ok(result),
             other => Err(ResultError::Version(other)),

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use futures::channel::oneshot;
-use js_sys::Array;
+use js_sys::{Array, Uint8Array};
+use snellius::export::Format;
 use snellius::pipeline::Settings;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
@@ -13,7 +14,7 @@ use web_sys::{
     Blob, BlobPropertyBag, ErrorEvent, MessageEvent, Url, Worker, WorkerOptions, WorkerType,
 };
 
-use super::messages::{Answer, FileKind, PictureSet, Question, READY, Reply, Request};
+use super::messages::{Answer, PictureSet, Question, READY, Reply, Request};
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -119,9 +120,9 @@ impl Hand {
     }
 
     /// Has it write a file.
-    pub(crate) async fn write(&self, kind: FileKind) -> Result<String, Problem> {
-        match self.ask(Request::Write(kind)).await? {
-            Reply::Written(text) => Ok(text),
+    pub(crate) async fn write(&self, format: Format) -> Result<Uint8Array, Problem> {
+        match self.ask(Request::Write(format)).await? {
+            Reply::Written(bytes) => Ok(bytes),
             _ => Err(unexpected()),
         }
     }

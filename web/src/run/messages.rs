@@ -3,8 +3,9 @@
 //! Every question carries a number and is answered once under the same number, so an answer that comes
 //! late, from a run that was given up, finds nobody waiting.
 
-use js_sys::{Array, Uint8ClampedArray};
+use js_sys::{Array, Uint8Array, Uint8ClampedArray};
 use serde::{Deserialize, Serialize};
+use snellius::export::Format;
 use snellius::pipeline::Settings;
 use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
@@ -44,7 +45,7 @@ pub(crate) enum Request {
     /// Decode the pictures of a view. Answered by `Pictures`.
     Pictures { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
-    Write(FileKind),
+    Write(Format),
 }
 
 /// What a worker answers.
@@ -57,7 +58,7 @@ pub(crate) enum Reply {
     Kept,
     Measured(Box<Outcome>),
     Pictures(PictureSet),
-    Written(String),
+    Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.
@@ -69,18 +70,10 @@ impl Reply {
     pub(crate) fn transfer(&self) -> Array {
         match self {
             Self::Pictures(set) => set.buffers(),
+            Self::Written(bytes) => Array::of1(&bytes.buffer()),
             _ => Array::new(),
         }
     }
-}
-
-/// A file that can be saved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum FileKind {
-    Result,
-    Object,
-    Vessel,
-    Table,
 }
 
 /// The pictures of a view, ready to be shown: RGBA, row by row.

@@ -13,7 +13,7 @@ pub(crate) mod worker;
 pub(crate) use hand::Hand;
 pub(crate) use job::{Progress, Run, run};
 pub(crate) use mesh::{Mesh, Through};
-pub(crate) use messages::{FileKind, PictureSet};
+pub(crate) use messages::PictureSet;
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{Face, Facts, Outcome, Place, StationFacts, ViewOutcome, Wall};
 

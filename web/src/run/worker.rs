@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::io::BufReader;
 
-use js_sys::Array;
-use snellius::export::{ReconstructionResult, object_ply, points_csv, vessel_ply};
+use js_sys::{Array, Uint8Array};
+use snellius::export::{Format, ReconstructionResult};
 use snellius::pipeline::{Settings, observe, reconstruct};
 use snellius::scan::Archive;
 use snellius::spots::Spots;
@@ -13,7 +13,7 @@ use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
 
 use super::blob_reader::BlobReader;
 use super::develop::develop;
-use super::messages::{Answer, FileKind, Question, READY, Reply, Request};
+use super::messages::{Answer, Question, READY, Reply, Request};
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -85,7 +85,7 @@ impl Desk {
             Request::Pictures { view } => {
                 Ok(Reply::Pictures(develop(&self.archive()?.pictures(view)?)))
             }
-            Request::Write(kind) => self.write(kind),
+            Request::Write(format) => self.write(format),
         }
     }
 
@@ -106,14 +106,10 @@ impl Desk {
         Ok(Reply::Measured(Box::new(outcome)))
     }
 
-    fn write(&self, kind: FileKind) -> Result<Reply, Problem> {
+    fn write(&self, format: Format) -> Result<Reply, Problem> {
         let result = self.result.as_ref().ok_or_else(out_of_order)?;
-        Ok(Reply::Written(match kind {
-            FileKind::Result => result.to_json(),
-            FileKind::Object => object_ply(result),
-            FileKind::Vessel => vessel_ply(result),
-            FileKind::Table => points_csv(result),
-        }))
+        let bytes = result.write(format)?;
+        Ok(Reply::Written(Uint8Array::from(bytes.as_slice())))
     }
 
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {

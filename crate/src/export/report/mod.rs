@@ -6,7 +6,7 @@ mod top_view;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::header::{header, index, name_of};
+use super::header::{header, in_one_line, index, name_of};
 use super::{OneOrMany, ReconstructionResult, ViewResult, WallResult};
 
 const STYLE: &str = include_str!("report.css");
@@ -45,10 +45,10 @@ pub fn report_html(result: &ReconstructionResult) -> String {
     page.into_string()
 }
 
-fn title(result: &ReconstructionResult) -> &str {
+fn title(result: &ReconstructionResult) -> String {
     match result.scan.trim() {
-        "" => "Reconstruction",
-        name => name,
+        "" => "Reconstruction".to_owned(),
+        name => in_one_line(name),
     }
 }
 

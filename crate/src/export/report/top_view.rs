@@ -119,8 +119,8 @@ struct Frame {
 }
 
 impl Frame {
-    const WIDTH: f64 = 330.0;
-    const HEIGHT: f64 = 420.0;
+    const WIDTH: f64 = 300.0;
+    const HEIGHT: f64 = 380.0;
 
     fn around(points: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
