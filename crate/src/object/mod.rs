@@ -4,9 +4,11 @@
 mod choice;
 mod grain;
 mod meeting;
+mod neighbours;
+mod select;
 mod uncertainty;
 
-pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object};
+pub use choice::{Choice, Neighbourhood, ObjectPoint, ObjectSettings, Refusal, find_object};
 pub use meeting::{Meeting, MeetingError, line_of_sight, meet, meet_unrefracted};
 pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, noise};
 
