@@ -33,7 +33,7 @@ impl Score {
         for (view, truth) in result.views.iter().zip(&truth.views) {
             score.views += 1;
             score.wanted += usize::from(truth.object.is_some());
-            match (view.object, truth.object) {
+            match (view.object.first(), truth.object) {
                 (Some(found), Some(place)) => {
                     let off = (Vector3::from(found) - Vector3::from(place)).norm();
                     score.found += 1;

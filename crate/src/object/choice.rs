@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use super::grain;
 use super::select::{Fitting, Selection, select};
 use super::uncertainty::{Noise, noise};
-use super::{Meeting, MeetingError, Setup, calibration_sigmas, meet};
+use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World};
 use crate::robust::robust_scale;
@@ -59,7 +59,7 @@ pub enum Refusal {
         limit: f64,
     },
     /// Another spot of the view fits better.
-    Outdone(Neighbourhood),
+    Outdone(Option<Neighbourhood>),
     /// No other object points make a surface that it lies on.
     Alone(Neighbourhood),
 }
@@ -117,7 +117,10 @@ impl std::fmt::Display for Refusal {
                     "ray distance {distance:.3} mm, more than the {limit:.3} mm that noise and calibration explain"
                 )
             }
-            Self::Outdone(place) => write!(f, "another spot of the view fits better; {place}"),
+            Self::Outdone(None) => f.write_str("another spot of the view fits better"),
+            Self::Outdone(Some(place)) => {
+                write!(f, "another spot of the view fits better; {place}")
+            }
             Self::Alone(place) => write!(f, "stands alone, as ghosts do: {place}"),
         }
     }
@@ -126,8 +129,8 @@ impl std::fmt::Display for Refusal {
 /// What became of a view's spots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// The object point, if one was found.
-    pub point: Option<ObjectPoint>,
+    /// The object points that were found: at most one for a beam.
+    pub points: Vec<ObjectPoint>,
     /// The spots that were refused, and why.
     pub refused: Vec<(usize, Refusal)>,
 }
@@ -167,12 +170,11 @@ fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {
         return;
     };
     for (view, choice) in choices.iter_mut().enumerate() {
-        let Some(point) = &mut choice.point else {
-            continue;
-        };
-        let spot = &spots[view].spots[point.spot];
-        if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
-            point.noise = noise;
+        for point in &mut choice.points {
+            let spot = &spots[view].spots[point.spot];
+            if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
+                point.noise = noise;
+            }
         }
     }
 }
@@ -191,12 +193,8 @@ fn candidates(
     spots: &Spots,
     settings: &ObjectSettings,
 ) -> Vec<Candidate> {
-    let taken = setup.vessel.points[view].as_ref().map(|p| p.spot);
-    let free = spots
-        .spots
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| Some(*i) != taken);
+    let taken = |spot: usize| setup.vessel.points[view].iter().any(|p| p.spot == spot);
+    let free = spots.spots.iter().enumerate().filter(|(i, _)| !taken(*i));
     free.map(|(index, spot)| Candidate {
         spot: index,
         pixel: spot.pixel(),
@@ -227,13 +225,14 @@ fn examine(
 /// The standard deviation of each view's ray distance that calibration explains. It is taken at one of
 /// the view's spots, as it hardly differs between them.
 fn expected_gaps(setup: &Setup, candidates: &[Vec<Candidate>]) -> Vec<f64> {
-    let usable = |list: &Vec<Candidate>| list.iter().find(|c| c.outcome.is_ok()).map(|c| c.pixel);
-    let measured: Vec<Option<Pixel>> = candidates.iter().map(usable).collect();
+    let usable = |list: &Vec<Candidate>| {
+        let first = list.iter().find(|c| c.outcome.is_ok());
+        first.map(|c| c.pixel).into_iter().collect()
+    };
+    let measured: Vec<Vec<Pixel>> = candidates.iter().map(usable).collect();
+    let gap = |sigmas: Vec<CommonSigma>| sigmas.first().map_or(0.0, |s| s.gap);
     let sigmas = calibration_sigmas(setup, &measured);
-    sigmas
-        .into_iter()
-        .map(|s| s.map_or(0.0, |s| s.gap))
-        .collect()
+    sigmas.into_iter().map(gap).collect()
 }
 
 /// A view's spots, held against their ray distances.
@@ -315,23 +314,23 @@ fn chosen(
     mut refused: Vec<(usize, Refusal)>,
     selection: &Selection,
 ) -> Choice {
-    let mut point = None;
+    let mut points = Vec::new();
     for (index, spot) in fitting.into_iter().enumerate() {
         let place = selection.evidence[index].neighbourhood();
         match selection.chosen {
-            Some(chosen) if chosen == index => point = Some(spot.point),
-            Some(_) => refused.push((spot.point.spot, Refusal::Outdone(place))),
+            Some(chosen) if chosen == index => points.push(spot.point),
+            Some(_) => refused.push((spot.point.spot, Refusal::Outdone(Some(place)))),
             None => refused.push((spot.point.spot, Refusal::Alone(place))),
         }
     }
-    Choice { point, refused }
+    Choice { points, refused }
 }
 
 /// Each view's beam behind the wall.
 fn beams(setup: &Setup) -> Vec<Option<Ray<World>>> {
     let beam = |station: &Station| {
         let stack = setup.vessel.wall.stack(&setup.media, station.inside).ok()?;
-        let beam = station.world_from_camera.ray(&setup.rig.beam);
+        let beam = station.world_from_camera.ray(&setup.rig.laser.axis());
         stack.trace(&beam).ok()
     };
     setup.stations.iter().map(beam).collect()

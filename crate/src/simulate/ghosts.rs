@@ -121,7 +121,7 @@ pub(super) struct FalseLight {
 /// The false light of a view; the same whenever it is asked for.
 pub(super) fn of(simulation: &Simulation, view: usize) -> FalseLight {
     let ghosts = &simulation.scene.ghosts;
-    let landing = simulation.landing(view, &simulation.scan.rig.beam);
+    let landing = simulation.landing(view, &simulation.scan.rig.laser.axis());
     // A stream of its own, so that the pictures' noise is that of the same scene without ghosts.
     let mut random = ChaCha8Rng::seed_from_u64(noise::seed(simulation.scene.seed, view, true));
     random.set_stream(1);

@@ -133,7 +133,7 @@ impl Simulation {
     fn beam(&self, view: usize) -> Ray<World> {
         self.scan.stations[view]
             .world_from_camera
-            .ray(&self.scan.rig.beam)
+            .ray(&self.scan.rig.laser.axis())
     }
 
     /// Where the camera of a view is.
@@ -227,7 +227,7 @@ impl Simulation {
             true => 0.0,
             false => brightness.object,
         };
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.beam) {
+        for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
             let landing = self.landing(view, &ray);
             let spots = [
                 (landing.outer, 0, brightness.outer_face),

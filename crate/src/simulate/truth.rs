@@ -61,7 +61,7 @@ pub(super) fn of(simulation: &Simulation) -> Truth {
 }
 
 fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
-    let landing = simulation.landing(view, &simulation.scan.rig.beam);
+    let landing = simulation.landing(view, &simulation.scan.rig.laser.axis());
     let false_light = ghosts::of(simulation, view);
     let pixel = |point, faces| {
         let Pixel { u, v } = simulation.seen(view, point, faces)?;
