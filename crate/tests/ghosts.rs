@@ -287,3 +287,61 @@ fn without_ghosts_nothing_is_refused() {
         }
     }
 }
+
+/// Where the beam passes the object, the back of the vessel lights up: a surface of its own, and none of the
+/// object's.
+#[test]
+fn the_vessels_back_is_no_object() {
+    for kind in ["ball in a tank", "ball in a jar", "ball in a bowl"] {
+        let mut landed = 0;
+        for seed in 0..12 {
+            let mut random = Random::seeded(100 + seed);
+            let mut scene = scene(kind, &mut random);
+            scene.seed = 1000 * seed;
+            scene.vessel.depth = Some(random.between(200.0, 260.0));
+            scene.brightness.back = 500.0;
+            if kind.starts_with("ball in a ") && !kind.ends_with("tank") {
+                // A ball beside the middle, which some beams pass.
+                scene.objects = vec![SceneObject::Sphere {
+                    centre: [18.0, 0.0, 0.0],
+                    radius: 14.0,
+                }];
+            }
+            let (result, truth) = measure(scene);
+            let score = Score::of(&result, &truth);
+            landed += truth.views.iter().filter(|v| v.back.is_some()).count();
+            assert_eq!(
+                (score.found, score.false_points),
+                (score.wanted, 0),
+                "{kind}, {seed}"
+            );
+            for (view, truth) in result.views.iter().zip(&truth.views) {
+                if truth.back.is_some() {
+                    let reason = view.reason.as_deref().unwrap_or_default();
+                    let named = ["back wall", "far side"]
+                        .iter()
+                        .any(|name| reason.contains(name));
+                    assert!(named, "{kind}, {seed}, {}: {reason}", view.id);
+                }
+            }
+        }
+        assert!(landed >= 10, "{kind}: {landed}");
+    }
+}
+
+/// Two steps of an object, seen squarely, are faces parallel to the front wall as well.
+#[test]
+fn a_step_of_the_object_is_no_back_wall() {
+    let mut random = Random::seeded(7);
+    let mut scene = scene("box in a tank", &mut random);
+    scene.objects = [(-20.0, 70.0), (30.0, 90.0)]
+        .map(|(x, z)| SceneObject::Box {
+            centre: [x, 0.0, z],
+            half: [25.0, 140.0, 10.0],
+            rotation: [0.0; 3],
+        })
+        .to_vec();
+    let (result, truth) = measure(scene);
+    let score = Score::of(&result, &truth);
+    assert_eq!((score.found, score.false_points), (score.wanted, 0));
+}

@@ -1,9 +1,9 @@
 use serde::{Deserialize, Serialize};
 
-use super::grain;
 use super::select::{Fitting, Selection, select};
 use super::uncertainty::{Noise, noise};
 use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
+use super::{back, grain};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World};
 use crate::robust::robust_scale;
@@ -62,6 +62,15 @@ pub enum Refusal {
     Outdone(Option<Neighbourhood>),
     /// No other object points make a surface that it lies on.
     Alone(Neighbourhood),
+    /// The beam passed the object, and landed on the tank's back wall.
+    BackWall {
+        /// How far behind the front wall's inner face, mm.
+        depth: f64,
+        /// How far behind the rest of what was measured, mm.
+        space: f64,
+    },
+    /// The beam passed the object, and landed on the far side of the round vessel.
+    FarSide,
 }
 
 /// How a spot stands to the surface that the neighbouring views make.
@@ -96,7 +105,7 @@ impl Refusal {
         match self {
             Self::NoMeeting(_) | Self::RayDistance { .. } => true,
             Self::BeforeInnerFace { depth } => *depth < -GLOW,
-            Self::Outdone(_) | Self::Alone(_) => false,
+            Self::Outdone(_) | Self::Alone(_) | Self::BackWall { .. } | Self::FarSide => false,
         }
     }
 }
@@ -121,6 +130,12 @@ impl std::fmt::Display for Refusal {
             Self::Outdone(Some(place)) => {
                 write!(f, "another spot of the view fits better; {place}")
             }
+            Self::BackWall { depth, space } => write!(
+                f,
+                "the vessel's back wall: one of the points on a face parallel to the front, {depth:.1} mm behind \
+                 it and {space:.1} mm behind the object"
+            ),
+            Self::FarSide => f.write_str("it lies on the far side of the vessel's own wall"),
             Self::Alone(place) => write!(f, "stands alone, as ghosts do: {place}"),
         }
     }
@@ -159,6 +174,7 @@ pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) ->
         None => first,
     };
     let mut choices = choose(setup, judged);
+    back::refuse(setup, &mut choices);
     count_grain(setup, spots, &mut choices);
     choices
 }
