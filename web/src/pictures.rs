@@ -28,6 +28,11 @@ struct Look {
     centre: Option<[f64; 2]>,
 }
 
+/// More marks would be a colour over the picture.
+const MOST_MARKS: usize = 300;
+/// More lines nobody reads.
+const MOST_LISTED: usize = 40;
+
 const ZOOMS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// The pictures of the chosen view.
@@ -44,16 +49,7 @@ pub(crate) fn Pictures() -> impl IntoView {
     });
     let spots = Memo::new(move |_| {
         let chosen = workbench.chosen.get()?;
-        Some(
-            workbench
-                .outcome
-                .get()?
-                .views
-                .get(chosen)?
-                .result
-                .spots
-                .clone(),
-        )
+        Some(workbench.outcome.get()?.views.get(chosen)?.spots.clone())
     });
     let spots = Signal::derive(move || spots.get().unwrap_or_default());
     let size = move || {
@@ -67,11 +63,17 @@ pub(crate) fn Pictures() -> impl IntoView {
         let chosen = workbench.chosen.get()?;
         Some(workbench.facts.get()?.stations.get(chosen)?.id.clone())
     };
+    let pointed = RwSignal::new(None);
+    Effect::new(move |_| {
+        spots.track();
+        pointed.set(None);
+    });
     let show = Sheet {
         workbench,
         look,
         window,
         spots,
+        pointed,
     };
     view! {
         <section class="pictures panel" aria-labelledby="pictures-title">
@@ -91,7 +93,7 @@ pub(crate) fn Pictures() -> impl IntoView {
                     {picture(show, "Difference", "picture-difference", |set| Some(set.difference.clone()))}
                 </div>
                 <Key workbench />
-                <SpotList spots />
+                <SpotList spots pointed />
             </Show>
         </section>
     }
@@ -125,6 +127,8 @@ struct Sheet {
     look: RwSignal<Look>,
     window: Memo<Window>,
     spots: Signal<Vec<SpotResult>>,
+    /// The spot that is pointed at, in the picture or in the list.
+    pointed: RwSignal<Option<usize>>,
 }
 
 fn picture(
@@ -177,6 +181,7 @@ fn picture(
                     style:top=move || percent(-sheet.window.get().top / sheet.window.get().height)
                 ></canvas>
                 <Overlay sheet />
+                <Note sheet />
                 <Show when=move || missing.get()>
                     <p class="missing">"Not taken"</p>
                 </Show>
@@ -225,13 +230,20 @@ fn Overlay(sheet: Sheet) -> impl IntoView {
             <polyline class="epipolar" points=line />
             {move || {
                 let window = sheet.window.get();
-                sheet.spots.get().iter().map(|spot| mark(spot, window)).collect_view()
+                let spots = sheet.spots.get();
+                let marks = spots.iter().enumerate().take(MOST_MARKS);
+                marks.map(|(index, spot)| mark(index, spot, window, sheet.pointed)).collect_view()
             }}
         </svg>
     }
 }
 
-fn mark(spot: &SpotResult, window: Window) -> impl IntoView + use<> {
+fn mark(
+    index: usize,
+    spot: &SpotResult,
+    window: Window,
+    pointed: RwSignal<Option<usize>>,
+) -> impl IntoView + use<> {
     let [u, v] = spot.pixel;
     // Marks keep their size whatever the zoom.
     let unit = window.width / 100.0;
@@ -263,13 +275,37 @@ fn mark(spot: &SpotResult, window: Window) -> impl IntoView + use<> {
     };
     let (anchor, x, y) = name_place(spot, r, window);
     view! {
-        <g class=class>
+        <g
+            class=class
+            class:pointed=move || pointed.get() == Some(index)
+            on:pointerenter=move |_| pointed.set(Some(index))
+            on:pointerleave=move |_| pointed.set(None)
+        >
+            <circle class="reach" cx=u cy=v r=2.0 * r />
             <path d=shape />
             <text x=x y=y text-anchor=anchor font-size=4.6 * unit>
                 {role_name(spot.role)}
             </text>
         </g>
     }
+}
+
+/// What is to be said of the spot that is pointed at. It stands where the spot is not.
+#[component]
+fn Note(sheet: Sheet) -> impl IntoView {
+    let note = move || {
+        let spots = sheet.spots.get();
+        let spot = spots.get(sheet.pointed.get()?)?.clone();
+        let window = sheet.window.get();
+        let below = spot.pixel[1] > window.top + window.height / 2.0;
+        Some(view! {
+            <p class="spot-note" class:above=below data-testid="spot-note">
+                <strong>{role_name(spot.role)}</strong>
+                {spot.reason.map(|reason| format!(": {reason}"))}
+            </p>
+        })
+    };
+    note
 }
 
 /// The wall's name stands to the left above its mark, the others' to the right below: the spots are often
@@ -289,6 +325,14 @@ fn name_place(spot: &SpotResult, r: f64, window: Window) -> (&'static str, f64, 
         ("end", u - 0.9 * r, y)
     } else {
         ("start", u + 0.9 * r, y)
+    }
+}
+
+const fn role_class(role: SpotRole) -> &'static str {
+    match role {
+        SpotRole::Vessel => "vessel",
+        SpotRole::Object => "object",
+        SpotRole::Stray => "stray",
     }
 }
 
@@ -321,12 +365,20 @@ fn Key(workbench: Workbench) -> impl IntoView {
 }
 
 #[component]
-fn SpotList(spots: Signal<Vec<SpotResult>>) -> impl IntoView {
-    let item = |spot: &SpotResult| {
+fn SpotList(spots: Signal<Vec<SpotResult>>, pointed: RwSignal<Option<usize>>) -> impl IntoView {
+    let item = move |(index, spot): (usize, &SpotResult)| {
         let [u, v] = spot.pixel.map(|p| fixed(p, 2));
         let reason = spot.reason.clone().map(|reason| format!(": {reason}"));
         view! {
-            <li>
+            <li
+                tabindex="0"
+                class=role_class(spot.role)
+                class:pointed=move || pointed.get() == Some(index)
+                on:pointerenter=move |_| pointed.set(Some(index))
+                on:pointerleave=move |_| pointed.set(None)
+                on:focus=move |_| pointed.set(Some(index))
+                on:blur=move |_| pointed.set(None)
+            >
                 <strong>{role_name(spot.role)}</strong>
                 " at "
                 <span class="value">{format!("{u}, {v}")}</span>
@@ -334,10 +386,14 @@ fn SpotList(spots: Signal<Vec<SpotResult>>) -> impl IntoView {
             </li>
         }
     };
+    let more = move || spots.with(Vec::len).saturating_sub(MOST_LISTED);
     view! {
-        <ul class="spot-list" aria-label="Spots of this view, brightest first">
-            {move || spots.get().iter().map(item).collect_view()}
+        <ul class="spot-list" data-testid="spots" aria-label="Spots of this view, brightest first">
+            {move || spots.get().iter().enumerate().take(MOST_LISTED).map(item).collect_view()}
         </ul>
+        <Show when=move || more() != 0>
+            <p class="help">{move || format!("and {} more", more())}</p>
+        </Show>
     }
 }
 

@@ -24,6 +24,7 @@ use web_sys::{HtmlCanvasElement, KeyboardEvent, MediaQueryList, ResizeObserver};
 
 use self::content::Content;
 use self::gestures::{Gestures, keys};
+use self::palette::Palette;
 use self::stage::{Stage, Subject};
 use crate::colours::wants_little_motion;
 use crate::legend::Legend;
@@ -89,17 +90,24 @@ pub(crate) fn Scene() -> impl IntoView {
     }
 }
 
+/// What the colours can mean.
+const COLOURS: [(ColourBy, &str, &str); 5] = [
+    (ColourBy::RayDistance, "ray-distance", "Ray distance"),
+    (ColourBy::Sigma, "sigma", "Standard deviation"),
+    (ColourBy::Depth, "depth", "Depth"),
+    (ColourBy::Sweep, "scan", "Scan"),
+    (ColourBy::Residual, "residual", "Wall residual"),
+];
+
 #[component]
 fn Toolbar(fit: impl Fn(Subject) + Copy + Send + 'static) -> impl IntoView {
     let workbench = Workbench::get();
     let choose_colours = move |event| {
-        workbench
-            .colour_by
-            .set(match event_target_value(&event).as_str() {
-                "scan" => ColourBy::Sweep,
-                "depth" => ColourBy::Depth,
-                _ => ColourBy::RayDistance,
-            });
+        let word = event_target_value(&event);
+        let chosen = COLOURS.iter().find(|(_, known, _)| *known == word);
+        if let Some((by, ..)) = chosen {
+            workbench.colour_by.set(*by);
+        }
     };
     let chosen = move |by: ColourBy| workbench.colour_by.get() == by;
     view! {
@@ -107,15 +115,15 @@ fn Toolbar(fit: impl Fn(Subject) + Copy + Send + 'static) -> impl IntoView {
             <label class="field">
                 <span>"Colour by"</span>
                 <select data-testid="colour-by" on:change=choose_colours>
-                    <option value="ray-distance" selected=move || chosen(ColourBy::RayDistance)>
-                        "Ray distance"
-                    </option>
-                    <option value="scan" selected=move || chosen(ColourBy::Sweep)>
-                        "Scan"
-                    </option>
-                    <option value="depth" selected=move || chosen(ColourBy::Depth)>
-                        "Depth"
-                    </option>
+                    {COLOURS
+                        .map(|(by, word, name)| {
+                            view! {
+                                <option value=word selected=move || chosen(by)>
+                                    {name}
+                                </option>
+                            }
+                        })
+                        .collect_view()}
                 </select>
             </label>
             <label class="switch">
@@ -171,6 +179,7 @@ fn follow(stage: &Stage, workbench: Workbench) {
             outcome,
             by,
             workbench.chosen.get_untracked(),
+            &Palette::of_the_system(),
         ));
         if had_content != Some(true) {
             stage.face_front();

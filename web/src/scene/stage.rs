@@ -126,7 +126,7 @@ impl Stage {
         let set = &mut *self.0.set.borrow_mut();
         let palette = Palette::of_the_system();
         set.object.fill(&content.object);
-        set.vessel.fill(&content.vessel_points(&palette));
+        set.vessel.fill(&content.vessel);
         set.solid.fill(&content.solid_lines(&palette));
         set.faint.fill(&content.faint_lines(&palette));
         set.wall.fill(&content.wall_faces(&palette));
@@ -290,14 +290,19 @@ impl Stage {
         set.chosen_light
             .fill(&set.content.chosen_light(&palette, refraction));
 
+        let (object_size, vessel_size) = if set.content.about_wall {
+            (5.0, 9.0)
+        } else {
+            (9.0, 4.5)
+        };
         let object = PointStyle {
-            size: 9.0 * scale,
+            size: object_size * scale,
             rim: palette.rim,
             refraction,
             ring: false,
         };
         let vessel = PointStyle {
-            size: 4.5 * scale,
+            size: vessel_size * scale,
             ..object
         };
         let marker = PointStyle {
