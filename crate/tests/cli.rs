@@ -80,7 +80,7 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
     let lines: Vec<&str> = table.split_terminator("\r\n").collect();
     assert_eq!(lines.len(), 11);
     assert!(lines.iter().all(|line| line.split(',').count() == 15));
-    let place = result.views[3].object.unwrap();
+    let place = result.views[3].object.first().unwrap();
     assert!(lines[4].starts_with("0003,ok,"), "{}", lines[4]);
     assert!(lines[4].contains(&format!(",{},{},{},", place[0], place[1], place[2])));
 }

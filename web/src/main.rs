@@ -17,6 +17,7 @@ mod progress;
 mod result;
 mod run;
 mod scene;
+mod shortcuts;
 mod stages;
 mod start;
 mod state;

@@ -1,13 +1,15 @@
 //! The chosen view's pictures, with what was found in them drawn over.
 
+use std::sync::Arc;
+
 use leptos::html;
 use leptos::prelude::*;
-use snellius::export::{SpotResult, SpotRole};
+use snellius::export::SpotRole;
 use wasm_bindgen::JsCast;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement, ImageData, PointerEvent};
 
 use crate::number::fixed;
-use crate::run::PictureSet;
+use crate::run::{PictureSet, Spot};
 use crate::state::Workbench;
 
 /// The part of the pictures that is shown, px; the same in all three.
@@ -33,6 +35,27 @@ const MOST_MARKS: usize = 300;
 /// More lines nobody reads.
 const MOST_LISTED: usize = 40;
 
+/// A spot, and why it was refused.
+#[derive(Clone, Debug, PartialEq)]
+struct Found {
+    pixel: [f64; 2],
+    role: SpotRole,
+    reason: Option<String>,
+}
+
+fn found(spots: &[Spot], reasons: &[(usize, String)]) -> Vec<Found> {
+    let one = |spot: &Spot| Found {
+        pixel: spot.pixel.map(f64::from),
+        role: spot.role,
+        reason: None,
+    };
+    let mut found: Vec<Found> = spots.iter().map(one).collect();
+    for (index, reason) in reasons {
+        found[*index].reason = Some(reason.clone());
+    }
+    found
+}
+
 const ZOOMS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// The pictures of the chosen view.
@@ -48,8 +71,9 @@ pub(crate) fn Pictures() -> impl IntoView {
         look.update(|look| look.centre = None);
     });
     let spots = Memo::new(move |_| {
-        let chosen = workbench.chosen.get()?;
-        Some(workbench.outcome.get()?.views.get(chosen)?.spots.clone())
+        let (chosen, outcome) = (workbench.chosen.get()?, workbench.outcome.get()?);
+        let view = outcome.views.get(chosen)?;
+        Some(Arc::new(found(&view.spots, &view.reasons)))
     });
     let spots = Signal::derive(move || spots.get().unwrap_or_default());
     let size = move || {
@@ -126,7 +150,7 @@ struct Sheet {
     workbench: Workbench,
     look: RwSignal<Look>,
     window: Memo<Window>,
-    spots: Signal<Vec<SpotResult>>,
+    spots: Signal<Arc<Vec<Found>>>,
     /// The spot that is pointed at, in the picture or in the list.
     pointed: RwSignal<Option<usize>>,
 }
@@ -240,7 +264,7 @@ fn Overlay(sheet: Sheet) -> impl IntoView {
 
 fn mark(
     index: usize,
-    spot: &SpotResult,
+    spot: &Found,
     window: Window,
     pointed: RwSignal<Option<usize>>,
 ) -> impl IntoView + use<> {
@@ -310,7 +334,7 @@ fn Note(sheet: Sheet) -> impl IntoView {
 
 /// The wall's name stands to the left above its mark, the others' to the right below: the spots are often
 /// close. At the picture's edge a name turns inwards.
-fn name_place(spot: &SpotResult, r: f64, window: Window) -> (&'static str, f64, f64) {
+fn name_place(spot: &Found, r: f64, window: Window) -> (&'static str, f64, f64) {
     const ROOM: f64 = 0.2;
     let [u, v] = spot.pixel;
     let across = (u - window.left) / window.width;
@@ -365,8 +389,8 @@ fn Key(workbench: Workbench) -> impl IntoView {
 }
 
 #[component]
-fn SpotList(spots: Signal<Vec<SpotResult>>, pointed: RwSignal<Option<usize>>) -> impl IntoView {
-    let item = move |(index, spot): (usize, &SpotResult)| {
+fn SpotList(spots: Signal<Arc<Vec<Found>>>, pointed: RwSignal<Option<usize>>) -> impl IntoView {
+    let item = move |(index, spot): (usize, &Found)| {
         let [u, v] = spot.pixel.map(|p| fixed(p, 2));
         let reason = spot.reason.clone().map(|reason| format!(": {reason}"));
         view! {
@@ -386,7 +410,7 @@ fn SpotList(spots: Signal<Vec<SpotResult>>, pointed: RwSignal<Option<usize>>) ->
             </li>
         }
     };
-    let more = move || spots.with(Vec::len).saturating_sub(MOST_LISTED);
+    let more = move || spots.with(|spots| spots.len()).saturating_sub(MOST_LISTED);
     view! {
         <ul class="spot-list" data-testid="spots" aria-label="Spots of this view, brightest first">
             {move || spots.get().iter().enumerate().take(MOST_LISTED).map(item).collect_view()}
@@ -398,7 +422,7 @@ fn SpotList(spots: Signal<Vec<SpotResult>>, pointed: RwSignal<Option<usize>>) ->
 }
 
 /// The part of the picture to show: as much as the zoom leaves, around the spots, within the picture.
-fn window([width, height]: [f64; 2], look: Look, spots: &[SpotResult]) -> Window {
+fn window([width, height]: [f64; 2], look: Look, spots: &[Found]) -> Window {
     let (shown_width, shown_height) = (width / look.zoom, height / look.zoom);
     let [u, v] = look
         .centre
@@ -413,7 +437,7 @@ fn window([width, height]: [f64; 2], look: Look, spots: &[SpotResult]) -> Window
 }
 
 /// The middle of the spots that matter.
-fn middle(spots: &[SpotResult]) -> Option<[f64; 2]> {
+fn middle(spots: &[Found]) -> Option<[f64; 2]> {
     let known: Vec<_> = spots
         .iter()
         .filter(|spot| spot.role != SpotRole::Stray)

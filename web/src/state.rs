@@ -44,6 +44,25 @@ pub(crate) enum StageState {
     Failed,
 }
 
+/// Where the scene is looked at from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    Front,
+    Side,
+    Above,
+}
+
+/// What the scene is told to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SceneCommand {
+    /// Wall and object shall fill the picture.
+    Fit,
+    /// The rig's stations shall be in the picture too.
+    FitAll,
+    /// Turn the camera.
+    Look(Look),
+}
+
 /// Changed settings that are being measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rerun {
@@ -79,8 +98,14 @@ pub(crate) struct Workbench {
     pub(crate) pictures: RwSignal<Option<PictureSet>, LocalStorage>,
     /// What the colours mean.
     pub(crate) colour_by: RwSignal<ColourBy>,
-    /// Whether the object is shown where it is, or where it would be without refraction.
-    pub(crate) refraction: RwSignal<bool>,
+    /// The object is shown where it is (1), where it would be without refraction (0), or between.
+    pub(crate) refraction: RwSignal<f32>,
+    /// The scene without perspective.
+    pub(crate) orthographic: RwSignal<bool>,
+    /// What the scene was told last.
+    pub(crate) command: RwSignal<Option<SceneCommand>>,
+    /// The sheet of keys is shown.
+    pub(crate) help: RwSignal<bool>,
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
@@ -104,7 +129,10 @@ impl Workbench {
             chosen: RwSignal::new(None),
             pictures: RwSignal::new_local(None),
             colour_by: RwSignal::new(ColourBy::RayDistance),
-            refraction: RwSignal::new(true),
+            refraction: RwSignal::new(1.0),
+            orthographic: RwSignal::new(false),
+            command: RwSignal::new(None),
+            help: RwSignal::new(false),
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
@@ -286,6 +314,20 @@ impl Workbench {
                 Err(problem) => self.fail(problem),
             }
         });
+    }
+
+    /// Chooses the next view, or the one before.
+    pub(crate) fn step(self, by: isize) {
+        let views = self
+            .facts
+            .with_untracked(|f| f.as_ref().map_or(0, |f| f.stations.len()));
+        let next = match self.chosen.get_untracked() {
+            Some(view) => view.saturating_add_signed(by),
+            None => 0,
+        };
+        if next < views {
+            self.choose(Some(next));
+        }
     }
 
     /// Changes the settings and measures again, live. `what` names the change: as long as the same thing

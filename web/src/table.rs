@@ -144,7 +144,7 @@ fn row(
         Some(chosen) => chosen == view,
         None => first == Some(view),
     };
-    let point = outcome.points_of(view).first();
+    let point = outcome.point_of(view);
     let object = |axis: usize| point.map(|point| fixed(point.place[axis].into(), 2));
     let cell = |text: Option<String>| view! { <td class="number">{text}</td> };
     let (word, class) = status(measured.status);
@@ -185,7 +185,7 @@ fn sorted(facts: &Facts, outcome: &Outcome, order: Order) -> Vec<usize> {
     let compare = |a: &usize, b: &usize| {
         let (one, other) = (&outcome.views[*a], &outcome.views[*b]);
         let by = |value: fn(&ObjectPoint) -> f32| {
-            let of = |view: usize| outcome.points_of(view).first().map(value);
+            let of = |view: usize| outcome.point_of(view).map(value);
             numbers(of(*a), of(*b), order)
         };
         let turned = |ordering: Ordering| {

@@ -16,7 +16,7 @@ pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{FileKind, PictureSet};
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{
-    Face, Facts, ObjectPoint, Outcome, Place, Shown, StationFacts, VesselPoint, Wall,
+    Face, Facts, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
 };
 
 /// Waits so many milliseconds.

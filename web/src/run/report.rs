@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use snellius::camera::{Pixel, Slope};
-use snellius::export::{ShapeChoiceResult, SpotResult, Status, ViewResult};
+use snellius::export::{ShapeChoiceResult, SpotResult, SpotRole, Status, ViewResult};
 use snellius::geometry::{Camera, Direction, Point, Pose, World};
 use snellius::optics::Surface;
 use snellius::pipeline::{LightPaths, Reconstruction, Summary, Warning};
@@ -27,7 +27,7 @@ pub(crate) struct Facts {
     pub(crate) declared_shape: VesselShape,
     /// Picture width and height, px.
     pub(crate) picture: [u32; 2],
-    /// The beam's image in air, px.
+    /// The beam's image in air, px; empty for a line laser.
     pub(crate) epipolar_line: Vec<[f64; 2]>,
     /// How many sweeps there are.
     pub(crate) sweeps: usize,
@@ -150,13 +150,28 @@ pub(crate) struct ViewOutcome {
     /// Why it has no object point.
     pub(crate) reason: Option<String>,
     /// Its spots, brightest first.
-    pub(crate) spots: Vec<SpotResult>,
+    #[serde(with = "packed")]
+    pub(crate) spots: Vec<Spot>,
+    /// Why spots were refused: the spot, and the reason.
+    pub(crate) reasons: Vec<(usize, String)>,
     /// Which of the object's points are its own.
     pub(crate) points: Range<usize>,
-    /// The laser's light, bent at every face.
+    /// The laser's light to the middle one of them, bent at every face.
     pub(crate) beam: Vec<Place>,
-    /// The line of sight, bent at every face.
+    /// The line of sight to it, bent at every face.
     pub(crate) sight: Vec<Place>,
+}
+
+/// Of a line's thousands of points nobody reads every reason.
+const MOST_REASONS: usize = 64;
+
+/// A spot in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spot {
+    /// Its centroid, px.
+    pub(crate) pixel: [f32; 2],
+    /// What it is.
+    pub(crate) role: SpotRole,
 }
 
 impl Facts {
@@ -181,8 +196,10 @@ impl Facts {
 }
 
 fn epipolar_line(scan: &Scan) -> Vec<[f64; 2]> {
-    let line = scan.rig.epipolar_line().polyline(&scan.rig.camera);
-    line.iter().map(|pixel| [pixel.u, pixel.v]).collect()
+    let line = scan.rig.epipolar_line().into_iter();
+    line.flat_map(|line| line.polyline(&scan.rig.camera))
+        .map(|pixel| [pixel.u, pixel.v])
+        .collect()
 }
 
 fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize) -> StationFacts {
@@ -208,7 +225,7 @@ fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize
             corner(right, bottom),
             corner(0.0, bottom),
         ],
-        laser: pose.point(scan.rig.beam.origin).to_array(),
+        laser: pose.point(scan.rig.laser.origin()).to_array(),
         down: axis(pose, [0.0, 1.0, 0.0]),
         ahead: axis(pose, [0.0, 0.0, 1.0]),
     }
@@ -225,7 +242,7 @@ impl Outcome {
         let mut object = Vec::new();
         let views = result.views.into_iter().enumerate().map(|(view, result)| {
             let first = object.len();
-            object.extend(object_point(reconstruction, view, &result));
+            object.extend(object_points(reconstruction, view, &result));
             view_outcome(reconstruction, view, result, first..object.len())
         });
         Self {
@@ -251,6 +268,12 @@ impl Outcome {
     pub(crate) fn points_of(&self, view: usize) -> &[ObjectPoint] {
         let points = self.views.get(view).map(|view| view.points.clone());
         points.map_or(&[], |points| &self.object[points])
+    }
+
+    /// The point that stands for a view: the middle one of a line.
+    pub(crate) fn point_of(&self, view: usize) -> Option<&ObjectPoint> {
+        let points = self.points_of(view);
+        points.get(points.len() / 2)
     }
 }
 
@@ -299,6 +322,39 @@ impl Packed for ObjectPoint {
     }
 }
 
+impl Spot {
+    fn of(spot: &SpotResult) -> Self {
+        Self {
+            pixel: spot.pixel.map(|p| p as f32),
+            role: spot.role,
+        }
+    }
+}
+
+impl Packed for Spot {
+    const COUNT: usize = 3;
+
+    fn pack(&self, numbers: &mut Vec<f32>) {
+        let role = match self.role {
+            SpotRole::Vessel => 0.0,
+            SpotRole::Object => 1.0,
+            SpotRole::Stray => 2.0,
+        };
+        numbers.extend([self.pixel[0], self.pixel[1], role]);
+    }
+
+    fn unpack(n: &[f32]) -> Self {
+        Self {
+            pixel: [n[0], n[1]],
+            role: match n[2] {
+                0.0 => SpotRole::Vessel,
+                1.0 => SpotRole::Object,
+                _ => SpotRole::Stray,
+            },
+        }
+    }
+}
+
 impl Packed for VesselPoint {
     const COUNT: usize = 5;
 
@@ -336,33 +392,35 @@ fn face(wall: &snellius::vessel::Wall) -> Face {
     }
 }
 
-fn object_point(
-    reconstruction: &Reconstruction,
+fn object_points<'a>(
+    reconstruction: &'a Reconstruction,
     view: usize,
-    result: &ViewResult,
-) -> Option<ObjectPoint> {
+    result: &'a ViewResult,
+) -> impl Iterator<Item = ObjectPoint> + 'a {
     let wall = &reconstruction.vessel.wall;
-    let place = result.object?;
-    Some(ObjectPoint {
-        view,
-        place: shown(place),
-        unrefracted: reconstruction.unrefracted[view].map_or(shown(place), |p| shown(p.to_array())),
-        sigma: shown(result.object_sigma?),
-        ray_distance: result.ray_distance? as f32,
-        depth: (-wall.outer.signed_distance(place.into()) - wall.thickness) as f32,
-    })
+    let places = result.object.iter().zip(&reconstruction.unrefracted[view]);
+    let sizes = result.object_sigma.iter().zip(result.ray_distance.iter());
+    let points = places.zip(sizes);
+    points.map(
+        move |((place, unrefracted), (sigma, ray_distance))| ObjectPoint {
+            view,
+            place: shown(*place),
+            unrefracted: shown(unrefracted.map_or(*place, Point::to_array)),
+            sigma: shown(*sigma),
+            ray_distance: *ray_distance as f32,
+            depth: (-wall.outer.signed_distance((*place).into()) - wall.thickness) as f32,
+        },
+    )
 }
 
 fn vessel_points(reconstruction: &Reconstruction) -> Vec<VesselPoint> {
-    let points = reconstruction.vessel.points.iter().enumerate();
+    let views = reconstruction.vessel.points.iter().enumerate();
+    let points = views.flat_map(|(view, points)| points.iter().map(move |point| (view, point)));
     points
-        .filter_map(|(view, point)| {
-            let point = point.as_ref()?;
-            Some(VesselPoint {
-                view,
-                place: shown(point.point.to_array()),
-                residual: point.residual as f32,
-            })
+        .map(|(view, point)| VesselPoint {
+            view,
+            place: shown(point.point.to_array()),
+            residual: point.residual as f32,
         })
         .collect()
 }
@@ -377,10 +435,16 @@ fn view_outcome(
     let (beam, sight) = light.map_or_else(Default::default, |LightPaths { beam, sight }| {
         (places(&beam), places(&sight))
     });
+    let spots = result.spots.iter();
+    let refused = result.spots.iter().enumerate().filter_map(|(index, spot)| {
+        let reason = spot.reason.clone()?;
+        Some((index, reason))
+    });
     ViewOutcome {
         status: result.status,
         reason: result.reason,
-        spots: result.spots,
+        spots: spots.map(Spot::of).collect(),
+        reasons: refused.take(MOST_REASONS).collect(),
         points,
         beam,
         sight,

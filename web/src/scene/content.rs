@@ -136,6 +136,14 @@ impl Content {
         grid.chain(beams).collect()
     }
 
+    /// What refraction does: from where each point would be without it to where it is.
+    pub(super) fn displacements(&self, palette: &Palette) -> Vec<Line> {
+        let points = self.object.iter();
+        let few = points.step_by(self.object.len() / MOST_BEAMS + 1);
+        few.map(|p| Line::new(p.unrefracted, p.place, palette.displacement))
+            .collect()
+    }
+
     pub(super) fn wall_faces(&self, palette: &Palette) -> Vec<Face> {
         let faces = self.patch.iter().flat_map(|p| p.faces(palette.wall));
         faces.collect()
@@ -165,8 +173,8 @@ impl Content {
             return Vec::new();
         };
         let view = &outcome.views[chosen];
-        let first = outcome.points_of(chosen).first();
-        let straight_end = first.map(|point| shown(point.unrefracted));
+        let end = outcome.point_of(chosen);
+        let straight_end = end.map(|point| shown(point.unrefracted));
         let bend = |path: &[Place], colour| {
             let bent: Vec<Vec3> = path.iter().copied().map(vector).collect();
             let places = straightened(&bent, straight_end, refraction);
