@@ -170,7 +170,8 @@ fn is_typing(event: &KeyboardEvent) -> bool {
                 .map(HtmlInputElement::type_);
             !matches!(kind.as_deref(), Some("checkbox" | "range"))
         }
-        "SELECT" | "TEXTAREA" => true,
+        "SELECT" => !event.ctrl_key() && !event.meta_key(),
+        "TEXTAREA" => true,
         _ => false,
     })
 }

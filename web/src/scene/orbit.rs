@@ -60,7 +60,8 @@ impl Orbit {
         );
         if self.orthographic {
             // What lies at the target's distance keeps its size; what lies behind the eye is seen too.
-            let height = 2.0 * self.distance * half_field();
+            // The height is that at a distance of 1: three-d counts the distance in.
+            let height = 2.0 * half_field();
             return Camera::new_orthographic(
                 viewport,
                 eye,
