@@ -179,5 +179,10 @@ fn a_result_of_another_version_or_with_more_behind_it_is_refused() {
     assert!(refuse(&good.replace("\"version\": 1", "\"version\": 2")).contains("version: 2"));
     assert!(refuse(&format!("{good}{{}}")).contains("after the result"));
     assert!(refuse(&good.replace("1.333", "\"water\"")).contains("media.inside.value"));
-    assert!(refuse(&format!("{{\"x\":{}", "[".repeat(100_000))).contains("recursion"));
+    for nested in [
+        format!("{{\"x\":{}", "[".repeat(100_000)),
+        "[".repeat(100_000),
+    ] {
+        assert!(!refuse(&nested).is_empty());
+    }
 }

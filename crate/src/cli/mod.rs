@@ -9,6 +9,7 @@ mod files;
 mod reconstruct;
 mod schema;
 mod simulate;
+mod table;
 mod views;
 
 use std::io::{self, Write};
@@ -37,6 +38,8 @@ enum Command {
     Export(export::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
+    /// Works out the table of a rig that never moves against its window
+    Table(table::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
     Simulate(simulate::Arguments),
     /// Prints the JSON Schemas of scan.json and result.json
@@ -90,6 +93,7 @@ pub fn run() -> ExitCode {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Table(arguments) => table::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
     };

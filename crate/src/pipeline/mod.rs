@@ -16,11 +16,15 @@
 //! ```
 
 mod light;
+mod parameters;
 mod report;
+mod stage;
 mod summary;
 mod warnings;
 
 pub use light::LightPaths;
+pub use parameters::{NumberParameter, PARAMETERS, Parameter, ParameterKind, parameters_page};
+pub use stage::{Stage, Warning};
 pub use summary::Summary;
 
 use std::io::{Read, Seek};
@@ -97,6 +101,19 @@ pub struct Reconstruction<'a> {
     pub common_sigmas: Vec<Vec<CommonSigma>>,
     /// Where each of them would come to lie if refraction were ignored (Fig. 11 b).
     pub unrefracted: Vec<Vec<Option<Point<World>>>>,
+}
+
+impl Reconstruction<'_> {
+    /// What stood between the spots and the object's points.
+    pub fn setup(&self) -> Setup<'_> {
+        Setup {
+            rig: &self.scan.rig,
+            calibration_sigma: &self.scan.calibration_sigma,
+            stations: &self.scan.stations,
+            vessel: &self.vessel,
+            media: self.media,
+        }
+    }
 }
 
 /// Reads a view's pictures and finds its spots.

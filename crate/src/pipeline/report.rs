@@ -1,6 +1,6 @@
 //! From a reconstruction to its public format.
 
-use super::{Reconstruction, warnings};
+use super::Reconstruction;
 use crate::export::{
     GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany, ReconstructionFormat,
     ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult,
@@ -37,7 +37,7 @@ impl Reconstruction<'_> {
             views: views
                 .map(|(view, sweep)| self.view_result(view, sweep as u32))
                 .collect(),
-            warnings: warnings::of(self),
+            warnings: self.warnings().into_iter().map(|w| w.text).collect(),
         }
     }
 

@@ -37,12 +37,11 @@ const fn download(format: Format, test_id: &'static str, what: &'static str) -> 
 
 /// A button a file.
 #[component]
-pub(crate) fn Downloads() -> impl IntoView {
+pub(super) fn Downloads() -> impl IntoView {
     view! {
-        <section class="downloads panel" aria-labelledby="downloads-title">
-            <h2 id="downloads-title">"Download"</h2>
-            <div class="download-buttons">{DOWNLOADS.map(button).collect_view()}</div>
-        </section>
+        <div class="download-buttons" role="group" aria-label="Download">
+            {DOWNLOADS.map(button).collect_view()}
+        </div>
     }
 }
 
@@ -61,9 +60,15 @@ fn button(download: Download) -> impl IntoView {
         });
     };
     view! {
-        <button type="button" class="download" data-testid=download.test_id on:click=write>
+            <button
+            type="button"
+            class="download"
+            data-testid=download.test_id
+            disabled=move || workbench.outcome.with(Option::is_none)
+            on:click=write
+        >
             <span class="value">{format.file_name()}</span>
-            <span class="what">{download.what}</span>
+                <span class="what">{download.what}</span>
         </button>
     }
 }
