@@ -23,6 +23,7 @@ pub mod pipeline;
 pub mod rig;
 mod robust;
 pub mod scan;
+pub mod share;
 #[cfg(feature = "simulate")]
 pub mod simulate;
 pub mod spots;
