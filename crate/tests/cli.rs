@@ -333,7 +333,7 @@ fn scans_and_results_are_what_the_schemas_say() {
     let both: Value = serde_json::from_slice(&snellius(&["schema"]).stdout).unwrap();
     assert_eq!(
         both,
-        json!({ "scan": scan_schema, "result": result_schema })
+        json!({ "scan": scan_schema, "result": result_schema, "settings": schema("settings") })
     );
 
     let sample = fs::read(repository("samples/tank-paper.zip")).unwrap();

@@ -12,8 +12,7 @@ use anyhow::{Context, Result, bail, ensure};
 use lexopt::prelude::*;
 
 use crate::{
-    browser,
-    page::{self, Profile},
+    browser, dist, npm, page,
     process::{
         Count, build_directory, cargo, executable, program, root, run as run_to_end, run_tests,
     },
@@ -31,17 +30,19 @@ pub(crate) enum Step {
     Exports,
     Wasm,
     Page,
+    Npm,
     E2e,
 }
 
 impl Step {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Fmt,
         Self::Clippy,
         Self::Native,
         Self::Exports,
         Self::Wasm,
         Self::Page,
+        Self::Npm,
         Self::E2e,
     ];
 
@@ -53,6 +54,7 @@ impl Step {
             Self::Exports => "exports",
             Self::Wasm => "wasm",
             Self::Page => "page",
+            Self::Npm => "npm",
             Self::E2e => "e2e",
         }
     }
@@ -65,6 +67,7 @@ impl Step {
             Self::Exports => "exports read back by other programs (Python)",
             Self::Wasm => "tests of the core as WebAssembly in headless Chromium",
             Self::Page => "the page, as it is published",
+            Self::Npm => "the npm package, in Node",
             Self::E2e => "end-to-end tests of page and companion program in headless Chromium",
         }
     }
@@ -89,6 +92,7 @@ impl Step {
             Self::Exports => exports(rest),
             Self::Wasm => wasm_tests(rest),
             Self::Page => page(),
+            Self::Npm => npm_tests(rest),
             Self::E2e => end_to_end_tests(rest),
         }
     }
@@ -264,9 +268,31 @@ fn webdriver_json(browser: &browser::Browser) -> String {
 }
 
 fn page() -> Result<Count> {
-    let tools = setup::page_tools()?;
-    page::build(&tools, Profile::Release, &page::dist())?;
+    dist::run()?;
     Ok(Count::default())
+}
+
+/// The npm package, used from Node. It is built wherever the tests run, as the end-to-end tests use it in the
+/// browser; Node itself is not installed for its sake.
+fn npm_tests(rest: &[OsString]) -> Result<Count> {
+    npm::build()?;
+    let Some(node) = npm::node() else {
+        println!("NOT RUN: there is no Node here; the package is tested in the browser alone");
+        return Ok(Count::default());
+    };
+    let companion = companion()?;
+    let folder = root().join("target").join("npm").join("test");
+    npm::install_into(&folder)?;
+    let test = folder.join("node.test.mjs");
+    fs::copy(root().join("npm").join("test").join("node.mjs"), &test)?;
+    let mut tests = program(node);
+    tests
+        .args(["--test", "--test-reporter=tap"])
+        .args(rest)
+        .arg(test)
+        .env("SNELLIUS_CLI", companion)
+        .env("SNELLIUS_SAMPLE", root().join("samples").join("jar.zip"));
+    run_tests(&mut tests)
 }
 
 fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
@@ -277,6 +303,10 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
             dist.display()
         );
     }
+    let package = npm::package();
+    if !package.join("package.json").is_file() {
+        npm::build()?;
+    }
     let browser = browser::find_or_install()?;
     let companion = companion()?;
     let mut tests: Command = cargo(["test", "--no-fail-fast", "--package", "snellius-tests"]);
@@ -284,6 +314,7 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
         .args(rest)
         .env("SNELLIUS_DIST", dist)
         .env("SNELLIUS_CLI", companion)
+        .env("SNELLIUS_NPM", package)
         .env(
             "SNELLIUS_SCREENSHOTS",
             root().join("target").join("e2e-screenshots"),

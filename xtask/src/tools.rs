@@ -66,6 +66,12 @@ pub(crate) fn wasm_test_runner() -> Result<PathBuf> {
     Ok(directory.join(executable("wasm-bindgen-test-runner")))
 }
 
+/// The program that makes JavaScript of a module.
+pub(crate) fn wasm_bindgen_program() -> Result<PathBuf> {
+    let directory = wasm_bindgen(Pins::read()?.wasm_bindgen).ensure()?;
+    Ok(directory.join(executable("wasm-bindgen")))
+}
+
 fn wasm_bindgen(version: String) -> Tool {
     Tool {
         package: "wasm-bindgen-cli",

@@ -12,6 +12,7 @@ use crate::spots::{Spot, Spots};
 
 /// How object points are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ObjectSettings {
     /// A ray distance of more than this many standard deviations refuses a spot. The standard deviation

@@ -43,6 +43,7 @@ use crate::vessel::{VesselError, VesselFit, VesselSettings, find_vessel};
 
 /// How a scan is measured. The defaults are right for most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Settings {
     /// How spots are found.

@@ -20,6 +20,7 @@ use crate::scan::PicturePair;
 
 /// How spots are found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SpotSettings {
     /// A spot's smoothed peak stands this many standard deviations of the noise above it.

@@ -17,6 +17,7 @@ use crate::spots::{Spot, Spots};
 
 /// How the wall is found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct VesselSettings {
     /// A spot this near the epipolar line may lie on the wall, px.
