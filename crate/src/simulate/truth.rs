@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Simulation;
+use crate::export::OneOrMany;
 use crate::geometry::Point;
 
 /// What is true of a simulated scan.
@@ -14,19 +15,20 @@ pub struct Truth {
     pub views: Vec<TruthView>,
 }
 
-/// What is true of a view; `null` where there is no such spot.
+/// What is true of a view: of a spot laser one value, or `null` where there is no such spot; of a line
+/// laser lists along its line, in which places and pixels go together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TruthView {
     /// Its id.
     pub id: String,
     /// Where the beam meets the wall's outer face, world frame, mm.
-    pub vessel: Option<[f64; 3]>,
+    pub vessel: OneOrMany<[f64; 3]>,
     /// Where it lands on the object.
-    pub object: Option<[f64; 3]>,
+    pub object: OneOrMany<[f64; 3]>,
     /// Where the outer face's spot is seen, px.
-    pub vessel_pixel: Option<[f64; 2]>,
+    pub vessel_pixel: OneOrMany<[f64; 2]>,
     /// Where the object's spot is seen, px.
-    pub object_pixel: Option<[f64; 2]>,
+    pub object_pixel: OneOrMany<[f64; 2]>,
 }
 
 impl Truth {
@@ -65,9 +67,9 @@ fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
     let object_pixel = landing.object.and_then(|point| pixel(point, 2));
     TruthView {
         id: simulation.manifest().views[view].id.clone(),
-        vessel: vessel_pixel.and(landing.outer).map(Point::to_array),
-        object: object_pixel.and(landing.object).map(Point::to_array),
-        vessel_pixel,
-        object_pixel,
+        vessel: OneOrMany::One(vessel_pixel.and(landing.outer).map(Point::to_array)),
+        object: OneOrMany::One(object_pixel.and(landing.object).map(Point::to_array)),
+        vessel_pixel: OneOrMany::One(vessel_pixel),
+        object_pixel: OneOrMany::One(object_pixel),
     }
 }
