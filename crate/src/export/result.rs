@@ -258,8 +258,31 @@ result! {
         pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
         pub ray_distance: OneOrMany<f64>,
-        /// The spots that were found.
+        /// The spots that were found; of a line laser none, see `line`.
         pub spots: Vec<SpotResult>,
+        /// Of a line laser: the points of its line in the picture.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub line: Option<LineResult>,
+    }
+
+    /// A line laser's line in the picture, px: one point a row or column.
+    pub struct LineResult {
+        /// Where the points of `vessel` are seen, in their order.
+        pub vessel: Vec<[f64; 2]>,
+        /// Where the points of `object` are seen, in their order.
+        pub object: Vec<[f64; 2]>,
+        /// Points that are neither.
+        pub stray: Vec<[f64; 2]>,
+        /// Why points are not the object's, and how many.
+        pub refused: Vec<RefusedResult>,
+    }
+
+    /// Points that were refused alike.
+    pub struct RefusedResult {
+        /// Why.
+        pub reason: String,
+        /// How many points.
+        pub points: usize,
     }
 
     /// A spot.

@@ -1,9 +1,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::grain;
+use super::line::find_on_line;
 use super::uncertainty::{Noise, noise};
 use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
 use crate::camera::Pixel;
+use crate::rig::Laser;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
 use crate::spots::{Spot, Spots};
@@ -60,6 +62,22 @@ pub enum Refusal {
     Outdone,
 }
 
+impl Refusal {
+    /// As its text, without the numbers that differ from point to point.
+    pub fn kind(&self) -> String {
+        match self {
+            Self::BeforeInnerFace { .. } => {
+                "the rays meet before the wall's inner face or on it: the wall's own light"
+                    .to_owned()
+            }
+            Self::RayDistance { .. } => {
+                "a greater ray distance than noise and calibration explain".to_owned()
+            }
+            Self::NoMeeting(_) | Self::Outdone => self.to_string(),
+        }
+    }
+}
+
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -97,7 +115,13 @@ pub struct Choice {
 /// `ln(brightness) - gap^2 / (2 sigma^2)` is taken: a spot is the likelier real the brighter it is and
 /// the smaller its ray distance. The standard deviation starts from noise and calibration; when most
 /// views agree better than that, it is narrowed to their own spread and the choice made once more.
+///
+/// Of a sheet of light the light paths always meet. There the point must lie behind the wall, and on each
+/// ray that of the curve with the most light is taken.
 pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) -> Vec<Choice> {
+    if let Laser::Sheet(sheet) = &setup.rig.laser {
+        return find_on_line(setup, sheet, spots, settings);
+    }
     let candidates: Vec<Vec<Candidate>> = (0..setup.stations.len())
         .map(|view| candidates(setup, view, &spots[view], settings))
         .collect();

@@ -4,6 +4,7 @@
 mod choice;
 mod fan;
 mod grain;
+mod line;
 mod meeting;
 mod uncertainty;
 

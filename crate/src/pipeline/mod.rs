@@ -33,8 +33,9 @@ use crate::object::{
     Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, meet_unrefracted,
 };
 use crate::optics::Media;
+use crate::rig::Laser;
 use crate::scan::{Archive, InsideMedium, Scan, ScanError, Station};
-use crate::spots::{SpotSettings, Spots, find_spots};
+use crate::spots::{SpotSettings, Spots, find_line, find_spots};
 use crate::vessel::{VesselError, VesselFit, VesselSettings, find_vessel};
 
 /// How a scan is measured. The defaults are right for most.
@@ -99,13 +100,17 @@ pub struct Reconstruction<'a> {
     pub unrefracted: Vec<Vec<Option<Point<World>>>>,
 }
 
-/// Reads a view's pictures and finds its spots.
+/// Reads a view's pictures and finds its spots, or the points of its line.
 pub fn observe<R: Read + Seek>(
     archive: &mut Archive<R>,
     view: usize,
     settings: &Settings,
 ) -> Result<Spots, ScanError> {
-    Ok(find_spots(&archive.pictures(view)?, &settings.spots))
+    let pictures = archive.pictures(view)?;
+    Ok(match &archive.scan().rig.laser {
+        Laser::Beam(_) => find_spots(&pictures, &settings.spots),
+        Laser::Sheet(sheet) => find_line(&pictures, sheet.profiles(), &settings.spots),
+    })
 }
 
 /// Measures vessel and object from the spots of all views, which stand in the manifest's order.
@@ -160,9 +165,24 @@ fn media(scan: &Scan, settings: &Settings) -> Result<Media, PipelineError> {
 
 /// The liquid's index is given, so what calibration does is all there is, until an index has a sigma.
 fn common_sigmas(setup: &Setup, spots: &[Spots], object: &[Choice]) -> Vec<Vec<CommonSigma>> {
+    // It hardly changes from one point of a line to the next.
+    let shared_by = match setup.rig.laser {
+        Laser::Beam(_) => 1,
+        Laser::Sheet(_) => 8,
+    };
     let views = object.iter().zip(spots);
-    let pixels: Vec<_> = views.map(|(choice, view)| pixels(choice, view)).collect();
-    calibration_sigmas(setup, &pixels)
+    let some = |(choice, view)| {
+        pixels(choice, view)
+            .into_iter()
+            .step_by(shared_by)
+            .collect()
+    };
+    let computed = calibration_sigmas(setup, &views.map(some).collect::<Vec<_>>());
+    let all = |(choice, sigmas): (&Choice, &Vec<CommonSigma>)| {
+        let points = 0..choice.points.len();
+        points.map(|point| sigmas[point / shared_by]).collect()
+    };
+    object.iter().zip(&computed).map(all).collect()
 }
 
 fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Vec<Option<Point<World>>>> {

@@ -22,6 +22,7 @@ use nalgebra::UnitQuaternion;
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
+use crate::rig::{Laser, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
@@ -168,23 +169,54 @@ impl Simulation {
             .project(Point::from_coords(ahead.vector()))
     }
 
-    /// Adds the light of the three spots of a view.
+    /// Adds the light of the laser: three spots, or three lines.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
-        let brightness = &self.scene.brightness;
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
-            let landing = self.landing(view, &ray);
-            let spots = [
-                (landing.outer, 0, brightness.outer_face),
-                (landing.inner, 1, brightness.inner_face),
-                (landing.object, 2, brightness.object),
-            ];
-            for (point, faces, light) in spots {
-                let pixel = point.and_then(|point| self.seen(view, point, faces));
+        match &self.scan.rig.laser {
+            Laser::Beam(beam) => self.add_beam(view, beam, exposure),
+            Laser::Sheet(sheet) => self.add_sheet(view, sheet, exposure),
+        }
+    }
+
+    fn add_beam(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
+        for (ray, share) in self.scene.beam.rays(beam) {
+            let pixels = self.glows(view, &ray);
+            for (pixel, light) in pixels.into_iter().zip(self.scene.brightness.each()) {
                 if let Some(pixel) = pixel {
                     exposure.add_spot(pixel, self.scene.beam.blur, share * light);
                 }
             }
         }
+    }
+
+    /// Draws the lines ray by ray: each ray's light is spread over its way from the ray before it.
+    fn add_sheet(&self, view: usize, sheet: &Sheet, exposure: &mut Exposure) {
+        /// Rays that land farther apart, px, are on different surfaces.
+        const CONNECTED: f64 = 4.0;
+        let fan = self.scene.beam.fan(sheet, &self.scan.rig.camera);
+        let mut before = vec![[None; 3]; fan.first().map_or(0, Vec::len)];
+        for rays in &fan {
+            for ((ray, share), before) in rays.iter().zip(&mut before) {
+                let pixels = self.glows(view, ray);
+                let steps = pixels.iter().zip(*before).zip(self.scene.brightness.each());
+                for ((pixel, before), light) in steps {
+                    let Some((pixel, before)) = pixel.zip(before) else {
+                        continue;
+                    };
+                    let way = pixel.distance(before);
+                    if way < CONNECTED {
+                        exposure.add_spot(pixel, self.scene.beam.blur, share * light * way);
+                    }
+                }
+                *before = pixels;
+            }
+        }
+    }
+
+    /// Where the camera sees a ray's light on the outer face, the inner face and the object.
+    fn glows(&self, view: usize, ray: &Ray<Camera>) -> [Option<Pixel>; 3] {
+        let landing = self.landing(view, ray);
+        let places = [(landing.outer, 0), (landing.inner, 1), (landing.object, 2)];
+        places.map(|(point, faces)| self.seen(view, point?, faces))
     }
 }
 

@@ -2,7 +2,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Simulation;
 use crate::export::OneOrMany;
-use crate::geometry::Point;
+use crate::geometry::{Camera, Point, Ray, World};
+use crate::rig::Laser;
 
 /// What is true of a simulated scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,23 +54,61 @@ pub(super) fn of(simulation: &Simulation) -> Truth {
 }
 
 fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
-    let landing = simulation.landing(view, &simulation.scan.rig.laser.axis());
+    let rig = &simulation.scan.rig;
+    let id = simulation.manifest().views[view].id.clone();
+    match &rig.laser {
+        Laser::Beam(beam) => {
+            let Lit { vessel, object } = lit(simulation, view, beam);
+            TruthView {
+                id,
+                vessel: OneOrMany::One(vessel.map(|(place, _)| place)),
+                object: OneOrMany::One(object.map(|(place, _)| place)),
+                vessel_pixel: OneOrMany::One(vessel.map(|(_, pixel)| pixel)),
+                object_pixel: OneOrMany::One(object.map(|(_, pixel)| pixel)),
+            }
+        }
+        Laser::Sheet(sheet) => {
+            let middle = |rays: &Vec<(Ray<Camera>, f64)>| rays[rays.len() / 2].0;
+            let fan = simulation.scene.beam.fan(sheet, &rig.camera);
+            let lit: Vec<Lit> = fan
+                .iter()
+                .map(|rays| lit(simulation, view, &middle(rays)))
+                .collect();
+            let vessel = || lit.iter().filter_map(|lit| lit.vessel);
+            let object = || lit.iter().filter_map(|lit| lit.object);
+            TruthView {
+                id,
+                vessel: OneOrMany::Many(vessel().map(|(place, _)| place).collect()),
+                object: OneOrMany::Many(object().map(|(place, _)| place).collect()),
+                vessel_pixel: OneOrMany::Many(vessel().map(|(_, pixel)| pixel).collect()),
+                object_pixel: OneOrMany::Many(object().map(|(_, pixel)| pixel).collect()),
+            }
+        }
+    }
+}
+
+/// A place in the world and where it is seen.
+type Seen = ([f64; 3], [f64; 2]);
+
+/// What a ray lights that the picture shows.
+struct Lit {
+    vessel: Option<Seen>,
+    object: Option<Seen>,
+}
+
+fn lit(simulation: &Simulation, view: usize, ray: &Ray<Camera>) -> Lit {
+    let landing = simulation.landing(view, ray);
     let camera = &simulation.scan.rig.camera;
-    let pixel = |point, faces| {
-        let pixel = simulation.seen(view, point, faces)?;
+    let seen = |point: Option<Point<World>>, faces| {
+        let pixel = simulation.seen(view, point?, faces)?;
         let inside = pixel.u >= 0.0
             && pixel.v >= 0.0
             && pixel.u <= f64::from(camera.width - 1)
             && pixel.v <= f64::from(camera.height - 1);
-        inside.then_some([pixel.u, pixel.v])
+        inside.then_some((point?.to_array(), [pixel.u, pixel.v]))
     };
-    let vessel_pixel = landing.outer.and_then(|point| pixel(point, 0));
-    let object_pixel = landing.object.and_then(|point| pixel(point, 2));
-    TruthView {
-        id: simulation.manifest().views[view].id.clone(),
-        vessel: OneOrMany::One(vessel_pixel.and(landing.outer).map(Point::to_array)),
-        object: OneOrMany::One(object_pixel.and(landing.object).map(Point::to_array)),
-        vessel_pixel: OneOrMany::One(vessel_pixel),
-        object_pixel: OneOrMany::One(object_pixel),
+    Lit {
+        vessel: seen(landing.outer, 0),
+        object: seen(landing.object, 2),
     }
 }

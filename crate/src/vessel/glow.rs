@@ -15,7 +15,7 @@
 //! as 1/2, which matters little as e is near 1. The share is the same glass's in all views, so the
 //! median over them is taken.
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix5, Vector2, Vector5};
 
 use super::Wall;
 use crate::camera::{Intrinsics, Pixel};
@@ -23,7 +23,7 @@ use crate::geometry::{Camera, Point, Pose, Ray, World};
 use crate::optics::{Media, aim_through};
 use crate::robust::{median, robust_scale};
 use crate::scan::InsideMedium;
-use crate::spots::Spot;
+use crate::spots::{Curve, Spot};
 
 /// What the wall's geometry says of a vessel spot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,4 +171,156 @@ fn median_and_sigma(values: Vec<f64>) -> (f64, f64) {
     let middle = median(values.clone());
     let off: Vec<f64> = values.iter().map(|x| x - middle).collect();
     (middle, 1.25 * robust_scale(&off) / root)
+}
+
+/// What the profiles across a wall's line say of its two glows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LineGlow {
+    /// Share and thickness; none where the profiles tell nothing.
+    pub(super) glows: Option<Glows>,
+    /// Variance of one glow's profile, px^2.
+    pub(super) width: f64,
+}
+
+/// Estimates the share from the mean profiles of the wall's curves, each with the variance of the Gaussian
+/// that found its points and the offset of the inner face's line along the profile, px.
+///
+/// Two Gaussians of one width, `(1 - q) g(x) + q g(x - d)`, are fitted to each profile: thousands of
+/// points show the profile's shape so well that share and width come apart.
+pub(super) fn of_profiles(profiles: &[(&Curve, f64, f64)], thickness: f64) -> LineGlow {
+    /// No real profile is a Gaussian to better than this part of the light.
+    const MODEL_SIGMA: f64 = 0.02;
+    let fits = profiles
+        .iter()
+        .filter_map(|(curve, kernel, offset)| TwoGlows::fit(curve, *kernel, *offset));
+    let fits: Vec<TwoGlows> = fits.collect();
+    if fits.is_empty() {
+        return LineGlow::default();
+    }
+    let all = |value: fn(&TwoGlows) -> f64| fits.iter().map(value).collect::<Vec<_>>();
+    let (excess, sampling) = median_and_sigma(all(|fit| fit.share * (1.0 - fit.share)));
+    let (share, share_sigma) = with_prior(
+        excess,
+        (sampling * sampling + MODEL_SIGMA * MODEL_SIGMA).sqrt(),
+    );
+    let (spread, spread_sigma) = median_and_sigma(all(|fit| fit.spread));
+    LineGlow {
+        width: median(all(|fit| fit.width)),
+        glows: Some(Glows {
+            share,
+            share_sigma,
+            thickness: (fits.len() >= 3 && spread_sigma < 0.1 * spread)
+                .then_some(thickness * spread),
+        }),
+    }
+}
+
+/// How far the ridge of two merged lines lies from the outer one's middle, along the profile, px.
+///
+/// `variance` is that of one line smoothed with the Gaussian that found the ridge. The ridge is where the
+/// sum `(1 - q) g(x) + q g(x - d)` is highest: x is the mean of 0 and d, weighted with either's light there.
+pub(super) fn ridge_shift(share: f64, offset: f64, variance: f64) -> f64 {
+    const STEPS: usize = 200;
+    let mut x = 0.0;
+    for _ in 0..STEPS {
+        let ratio = libm::exp((x * offset - 0.5 * offset * offset) / variance);
+        let next = offset * share * ratio / (1.0 - share + share * ratio);
+        let step: f64 = next - x;
+        x = next;
+        if step.abs() < 1e-9 {
+            break;
+        }
+    }
+    x
+}
+
+/// Two Gaussians of one width fitted to a mean profile.
+struct TwoGlows {
+    share: f64,
+    width: f64,
+    /// Their distance in that of the wall's given thickness.
+    spread: f64,
+}
+
+impl TwoGlows {
+    /// Gauss-Newton on height, place, width and share, then on the distance as well.
+    fn fit(curve: &Curve, kernel: f64, offset: f64) -> Option<Self> {
+        const LEAST_POINTS: usize = 20;
+        /// Nearer glows than this, in standard deviations of their width, are one.
+        const APART: f64 = 0.7;
+        if curve.range().len() < LEAST_POINTS || offset.abs() < APART * kernel.sqrt() {
+            return None;
+        }
+        let side = offset.signum();
+        let reach = 3.0 * kernel.sqrt();
+        let near = |(x, _): &(f64, f64)| (-reach..=reach + offset.abs()).contains(x);
+        let samples = curve.profile.iter().enumerate();
+        let samples: Vec<(f64, f64)> = samples
+            .map(|(i, light)| (side * curve.place(i), *light))
+            .filter(near)
+            .collect();
+        let height = samples.iter().map(|(_, light)| *light).fold(0.0, f64::max);
+        let share = 0.2;
+        let shift = ridge_shift(share, offset.abs(), 2.0 * kernel);
+        let start = Vector5::new(height / (1.0 - share), -shift, kernel, share, offset.abs());
+        let held = gauss_newton(&samples, start, 4)?;
+        let free = gauss_newton(&samples, held, 5);
+        Some(Self {
+            share: held[3],
+            width: held[2],
+            spread: free.map_or(f64::NAN, |free| free[4] / offset.abs()),
+        })
+        .filter(|fit| (0.0..=0.5).contains(&fit.share) && fit.width > 0.1)
+    }
+}
+
+/// Fits height, place, width, share and distance; those from `free` on are held. `None` where it does not
+/// settle.
+fn gauss_newton(samples: &[(f64, f64)], start: Vector5<f64>, free: usize) -> Option<Vector5<f64>> {
+    const STEPS: usize = 50;
+    let mut p = start;
+    for _ in 0..STEPS {
+        let mut information = Matrix5::zeros();
+        let mut right = Vector5::zeros();
+        for (x, light) in samples {
+            let (model, row) = two_gaussians(&p, *x);
+            information += row * row.transpose();
+            right += row * (light - model);
+        }
+        for held in free..5 {
+            information.row_mut(held).fill(0.0);
+            information.column_mut(held).fill(0.0);
+            information[(held, held)] = 1.0;
+            right[held] = 0.0;
+        }
+        let step = information.try_inverse()? * right;
+        // Shares and widths far off would turn the two glows into something else.
+        let largest = (step[3].abs() / 0.1)
+            .max(step[2].abs() / (0.3 * p[2]))
+            .max(1.0);
+        p += step / largest;
+        if !(p[2] > 0.0 && p.iter().all(|value| value.is_finite())) {
+            return None;
+        }
+        if step.amax() < 1e-7 * p[0].abs().max(1.0) {
+            return Some(p);
+        }
+    }
+    None
+}
+
+/// The model of a profile at a place, and its derivatives by height, place, width, share and distance.
+fn two_gaussians(p: &Vector5<f64>, x: f64) -> (f64, Vector5<f64>) {
+    let [height, place, width, share, distance] = (*p).into();
+    let (near, far) = (x - place, x - place - distance);
+    let outer = (1.0 - share) * libm::exp(-0.5 * near * near / width);
+    let inner = share * libm::exp(-0.5 * far * far / width);
+    let row = Vector5::new(
+        outer + inner,
+        height * (outer * near + inner * far) / width,
+        height * (outer * near * near + inner * far * far) / (2.0 * width * width),
+        height * (inner / share.max(1e-6) - outer / (1.0 - share)),
+        height * inner * far / width,
+    );
+    (height * (outer + inner), row)
 }
