@@ -1,5 +1,7 @@
 //! `result.json`: the public format of a reconstruction.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::scan::{LengthUnit, VesselShape};
@@ -294,6 +296,22 @@ result! {
         /// Why it is not the object's.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+    }
+}
+
+impl RefusedResult {
+    /// Equal reasons counted, most frequent first.
+    pub fn alike(reasons: impl Iterator<Item = String>) -> Vec<Self> {
+        let mut counts = BTreeMap::new();
+        for reason in reasons {
+            *counts.entry(reason).or_insert(0) += 1;
+        }
+        let counted = counts.into_iter();
+        let mut refused: Vec<_> = counted
+            .map(|(reason, points)| Self { reason, points })
+            .collect();
+        refused.sort_by_key(|refused| std::cmp::Reverse(refused.points));
+        refused
     }
 }
 

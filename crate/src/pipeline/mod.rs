@@ -100,6 +100,19 @@ pub struct Reconstruction<'a> {
     pub unrefracted: Vec<Vec<Option<Point<World>>>>,
 }
 
+impl Reconstruction<'_> {
+    /// What stood between the spots and the object's points.
+    pub fn setup(&self) -> Setup<'_> {
+        Setup {
+            rig: &self.scan.rig,
+            calibration_sigma: &self.scan.calibration_sigma,
+            stations: &self.scan.stations,
+            vessel: &self.vessel,
+            media: self.media,
+        }
+    }
+}
+
 /// Reads a view's pictures and finds its spots, or the points of its line.
 pub fn observe<R: Read + Seek>(
     archive: &mut Archive<R>,

@@ -1,7 +1,5 @@
 //! From a reconstruction to its public format.
 
-use std::collections::BTreeMap;
-
 use super::{Reconstruction, warnings};
 use crate::export::{
     GlowResult, IndexMethod, InsideResult, LineResult, MediaResult, OneOrMany,
@@ -204,14 +202,5 @@ fn freeform_result(freeform: &Freeform) -> WallResult {
 
 /// Why points of a line were refused, most frequent first.
 fn refused_alike(choice: &Choice) -> Vec<RefusedResult> {
-    let mut counts = BTreeMap::new();
-    for (_, refusal) in &choice.refused {
-        *counts.entry(refusal.kind()).or_insert(0) += 1;
-    }
-    let alike = counts.into_iter();
-    let mut refused: Vec<_> = alike
-        .map(|(reason, points)| RefusedResult { reason, points })
-        .collect();
-    refused.sort_by_key(|refused| std::cmp::Reverse(refused.points));
-    refused
+    RefusedResult::alike(choice.refused.iter().map(|(_, refusal)| refusal.kind()))
 }
