@@ -26,18 +26,21 @@ use snellius::vessel::Wall;
 
 // The line in the picture.
 
-/// A picture of lines: each has its place in a row, its standard deviation and its height.
+/// Where a line is in a row.
+type Course<'a> = &'a dyn Fn(f64) -> Option<f64>;
+
+/// A picture of lines: each has its course, its standard deviation and its height.
 struct Lines<'a> {
     width: usize,
     height: usize,
-    lines: Vec<(&'a dyn Fn(f64) -> Option<f64>, f64, f64)>,
+    lines: Vec<(Course<'a>, f64, f64)>,
 }
 
 impl Lines<'_> {
     fn pair(&self, full_scale: u16, random: &mut Random) -> PicturePair {
         let ambient = |v: usize| 30.0 + 0.1 * v as f64;
         let light = |u: usize, v: usize| {
-            let one = |(at, sigma, peak): &(&dyn Fn(f64) -> Option<f64>, f64, f64)| {
+            let one = |(at, sigma, peak): &(Course, f64, f64)| {
                 at(v as f64).map_or(0.0, |at| {
                     let x = (u as f64 - at) / sigma;
                     peak * (-0.5 * x * x).exp()
