@@ -20,9 +20,10 @@ use crate::rig::{Profiles, Sheet};
 use crate::robust::median;
 use crate::spots::{Line, Spot};
 
-/// A block has so many points at least, and at most.
+/// A block has so many points at least.
 const LEAST: usize = 5;
-const MOST: usize = 32;
+/// And at most, where there are few points and where there are many: a parabola follows the wall no farther.
+const MOST: (usize, usize) = (8, 32);
 /// More blocks than this tell a surface nothing new.
 const MOST_BLOCKS: usize = 1500;
 
@@ -150,9 +151,11 @@ impl Finder<'_> {
 
     /// Blocks of the marked points, thinned to what a fit can use.
     fn blocks(&self, lines: &[ViewLine], marked: &[Vec<bool>], grain: f64) -> Vec<Block> {
+        let count = marked.iter().flatten().filter(|marked| **marked).count();
+        let most = (count / MOST_BLOCKS).clamp(MOST.0, MOST.1);
         let ranges = |(line, marked): (&ViewLine, &Vec<bool>)| {
             let view = line.view;
-            let ranges = line.runs(marked).into_iter().flat_map(cut);
+            let ranges = line.runs(marked).into_iter().flat_map(|run| cut(run, most));
             ranges.map(move |range| (view, range)).collect::<Vec<_>>()
         };
         let all: Vec<_> = lines.iter().zip(marked).flat_map(ranges).collect();
@@ -350,12 +353,12 @@ impl ViewLine<'_> {
     }
 }
 
-/// Cuts a run into blocks of nearly equal length; too short a run gives none.
-fn cut(run: Range<usize>) -> Vec<Range<usize>> {
+/// Cuts a run into blocks of nearly equal length, at most `most`; too short a run gives none.
+fn cut(run: Range<usize>, most: usize) -> Vec<Range<usize>> {
     if run.len() < LEAST {
         return Vec::new();
     }
-    let parts = run.len().div_ceil(MOST);
+    let parts = (run.len() / LEAST).min(run.len().div_ceil(most));
     let edge = |part: usize| run.start + run.len() * part / parts;
     (0..parts).map(|part| edge(part)..edge(part + 1)).collect()
 }
