@@ -111,7 +111,7 @@ fn choose(
     let mut wall_part = WallPart::default();
     for (candidate, outdone) in candidates.iter().zip(outdone) {
         if outdone {
-            refused.push((candidate.spot, Refusal::Outdone));
+            refused.push((candidate.spot, Refusal::Outdone(None)));
             continue;
         }
         match light.noise(candidate, &spots[candidate.spot], line, &mut wall_part) {

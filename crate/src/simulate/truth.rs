@@ -1,9 +1,10 @@
 use serde::{Deserialize, Serialize};
 
-use super::Simulation;
+use super::{Ghost, Simulation, ghosts};
+use crate::camera::Pixel;
 use crate::export::OneOrMany;
 use crate::geometry::{Camera, Point, Ray, World};
-use crate::rig::Laser;
+use crate::rig::{Laser, Sheet};
 
 /// What is true of a simulated scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,15 @@ pub struct TruthView {
     pub vessel_pixel: OneOrMany<[f64; 2]>,
     /// Where the object's spot is seen, px.
     pub object_pixel: OneOrMany<[f64; 2]>,
+    /// Where the beam lands on the vessel's back, having passed the object: no point of the object.
+    #[serde(default)]
+    pub back: Option<[f64; 3]>,
+    /// Where that spot is seen, px.
+    #[serde(default)]
+    pub back_pixel: Option<[f64; 2]>,
+    /// The false spots.
+    #[serde(default)]
+    pub ghosts: Vec<Ghost>,
 }
 
 impl Truth {
@@ -54,61 +64,65 @@ pub(super) fn of(simulation: &Simulation) -> Truth {
 }
 
 fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
-    let rig = &simulation.scan.rig;
-    let id = simulation.manifest().views[view].id.clone();
-    match &rig.laser {
-        Laser::Beam(beam) => {
-            let Lit { vessel, object } = lit(simulation, view, beam);
-            TruthView {
-                id,
-                vessel: OneOrMany::One(vessel.map(|(place, _)| place)),
-                object: OneOrMany::One(object.map(|(place, _)| place)),
-                vessel_pixel: OneOrMany::One(vessel.map(|(_, pixel)| pixel)),
-                object_pixel: OneOrMany::One(object.map(|(_, pixel)| pixel)),
-            }
-        }
-        Laser::Sheet(sheet) => {
-            let middle = |rays: &Vec<(Ray<Camera>, f64)>| rays[rays.len() / 2].0;
-            let fan = simulation.scene.beam.fan(sheet, &rig.camera);
-            let lit: Vec<Lit> = fan
-                .iter()
-                .map(|rays| lit(simulation, view, &middle(rays)))
-                .collect();
-            let vessel = || lit.iter().filter_map(|lit| lit.vessel);
-            let object = || lit.iter().filter_map(|lit| lit.object);
-            TruthView {
-                id,
-                vessel: OneOrMany::Many(vessel().map(|(place, _)| place).collect()),
-                object: OneOrMany::Many(object().map(|(place, _)| place).collect()),
-                vessel_pixel: OneOrMany::Many(vessel().map(|(_, pixel)| pixel).collect()),
-                object_pixel: OneOrMany::Many(object().map(|(_, pixel)| pixel).collect()),
-            }
-        }
+    match &simulation.scan.rig.laser {
+        Laser::Beam(beam) => beam_truth(simulation, view, beam),
+        Laser::Sheet(sheet) => sheet_truth(simulation, view, sheet),
     }
 }
 
-/// A place in the world and where it is seen.
-type Seen = ([f64; 3], [f64; 2]);
-
-/// What a ray lights that the picture shows.
-struct Lit {
-    vessel: Option<Seen>,
-    object: Option<Seen>,
+fn beam_truth(simulation: &Simulation, view: usize, beam: &Ray<Camera>) -> TruthView {
+    let landing = simulation.landing(view, beam);
+    let false_light = ghosts::of(simulation, view);
+    let back_shows = simulation.scene.brightness.back > 0.0;
+    let vessel = seen(simulation, view, landing.outer, 0);
+    let object = landing.object.filter(|_| !false_light.object_hidden);
+    let object = seen(simulation, view, object, 2);
+    let back = seen(simulation, view, landing.back.filter(|_| back_shows), 2);
+    TruthView {
+        id: simulation.manifest().views[view].id.clone(),
+        vessel: OneOrMany::One(vessel.map(|(place, _)| place)),
+        object: OneOrMany::One(object.map(|(place, _)| place)),
+        vessel_pixel: OneOrMany::One(vessel.map(|(_, pixel)| pixel)),
+        object_pixel: OneOrMany::One(object.map(|(_, pixel)| pixel)),
+        back: back.map(|(place, _)| place),
+        back_pixel: back.map(|(_, pixel)| pixel),
+        ghosts: false_light.spots,
+    }
 }
 
-fn lit(simulation: &Simulation, view: usize, ray: &Ray<Camera>) -> Lit {
-    let landing = simulation.landing(view, ray);
-    let camera = &simulation.scan.rig.camera;
-    let seen = |point: Option<Point<World>>, faces| {
-        let pixel = simulation.seen(view, point?, faces)?;
-        let inside = pixel.u >= 0.0
-            && pixel.v >= 0.0
-            && pixel.u <= f64::from(camera.width - 1)
-            && pixel.v <= f64::from(camera.height - 1);
-        inside.then_some((point?.to_array(), [pixel.u, pixel.v]))
-    };
-    Lit {
-        vessel: seen(landing.outer, 0),
-        object: seen(landing.object, 2),
+fn sheet_truth(simulation: &Simulation, view: usize, sheet: &Sheet) -> TruthView {
+    let fan = simulation
+        .scene
+        .beam
+        .fan(sheet, &simulation.scan.rig.camera);
+    let middles = fan.iter().map(|rays| &rays[rays.len() / 2].0);
+    let landings: Vec<_> = middles.map(|ray| simulation.landing(view, ray)).collect();
+    let vessel = landings.iter().map(|l| seen(simulation, view, l.outer, 0));
+    let object = landings.iter().map(|l| seen(simulation, view, l.object, 2));
+    let (vessel, vessel_pixel) = vessel.flatten().unzip();
+    let (object, object_pixel) = object.flatten().unzip();
+    TruthView {
+        id: simulation.manifest().views[view].id.clone(),
+        vessel: OneOrMany::Many(vessel),
+        object: OneOrMany::Many(object),
+        vessel_pixel: OneOrMany::Many(vessel_pixel),
+        object_pixel: OneOrMany::Many(object_pixel),
+        back: None,
+        back_pixel: None,
+        ghosts: Vec::new(),
     }
+}
+
+/// A place behind the first `faces` faces, and the pixel that shows it.
+fn seen(
+    simulation: &Simulation,
+    view: usize,
+    point: Option<Point<World>>,
+    faces: usize,
+) -> Option<([f64; 3], [f64; 2])> {
+    let Pixel { u, v } = simulation.seen(view, point?, faces)?;
+    let pixel = [u, v];
+    simulation
+        .in_picture(pixel)
+        .then_some((point?.to_array(), pixel))
 }
