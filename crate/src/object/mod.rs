@@ -6,9 +6,9 @@ mod grain;
 mod meeting;
 mod uncertainty;
 
-pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object};
+pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object, object_grain};
 pub use meeting::{Meeting, MeetingError, line_of_sight, meet, meet_unrefracted};
-pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, noise};
+pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, index_sigmas, noise};
 
 use crate::optics::Media;
 use crate::rig::{CalibrationSigma, Rig};

@@ -174,6 +174,28 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
     sums
 }
 
+/// What an error of the liquid's index, of one standard deviation, would do to each view's point.
+pub fn index_sigmas(
+    setup: &Setup,
+    pixels: &[Option<Pixel>],
+    sigma: f64,
+) -> Vec<Option<CommonSigma>> {
+    const STEP: f64 = 1e-5;
+    let at = |liquid: f64| {
+        let media = Media {
+            liquid,
+            ..setup.media
+        };
+        let wall = &setup.vessel.wall;
+        all_meetings(setup.rig, wall, &media, setup.stations, pixels)
+    };
+    let (back, ahead) = (at(setup.media.liquid - STEP), at(setup.media.liquid + STEP));
+    let factor = sigma / (2.0 * STEP);
+    let ends = back.iter().zip(&ahead);
+    ends.map(|(back, ahead)| Some(change(back.as_ref()?, ahead.as_ref()?, factor)))
+        .collect()
+}
+
 fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {
     CommonSigma {
         point: (after.point() - before.point()).abs() * factor,

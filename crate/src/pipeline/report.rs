@@ -2,8 +2,8 @@
 
 use super::{Reconstruction, warnings};
 use crate::export::{
-    GlowResult, IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult,
-    ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+    GlowResult, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult,
+    ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult, ViewResult, WallResult,
 };
 use crate::object::Choice;
 use crate::optics::{Freeform, Surface};
@@ -22,10 +22,12 @@ impl Reconstruction<'_> {
                 outside: self.media.outside,
                 wall: self.media.wall,
                 inside: InsideResult {
-                    value: Some(self.media.liquid),
-                    sigma: None,
-                    method: IndexMethod::Given,
-                    verdict: Verdict::Given,
+                    value: self.index.value,
+                    sigma: self.index.sigma,
+                    method: self.index.method,
+                    verdict: self.index.verdict,
+                    interval: self.index.interval,
+                    reason: self.index.reason.clone(),
                 },
             },
             vessel: self.vessel_result(),

@@ -2,17 +2,35 @@
 
 use super::Reconstruction;
 use crate::export::Status;
+use crate::index::Verdict;
 use crate::text::{count, some_of};
 
 /// Every warning of a reconstruction, those of the scan first.
 pub(super) fn of(reconstruction: &Reconstruction) -> Vec<String> {
     let mut warnings = reconstruction.scan.warnings.clone();
+    warnings.extend(index(reconstruction));
     warnings.extend(statuses(reconstruction));
     warnings.extend(saturated(reconstruction));
     warnings.extend(off_epipolar_line(reconstruction));
     warnings.extend(thickness(reconstruction));
     warnings.extend(shape(reconstruction));
     warnings
+}
+
+/// An index that the scan cannot tell, or tells badly.
+fn index(reconstruction: &Reconstruction) -> Option<String> {
+    let index = &reconstruction.index;
+    match (index.verdict, index.sigma) {
+        (Verdict::NotDetermined, _) => Some(format!(
+            "the liquid's refractive index is not determined, so there are no object points in it: {}. Or \
+             give the index, if you know the liquid",
+            index.reason.as_deref().unwrap_or_default()
+        )),
+        (Verdict::Weak, Some(sigma)) => Some(format!(
+            "the liquid's refractive index is weakly determined (standard deviation {sigma:.4})"
+        )),
+        _ => None,
+    }
 }
 
 fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
