@@ -21,6 +21,7 @@ mod last_bend;
 mod look_up;
 mod model;
 mod observability;
+mod ray_distance;
 mod remedy;
 mod segment;
 mod sights;

@@ -7,6 +7,7 @@ use super::face::Face;
 use super::known::{Constraint, Known};
 use super::model::{Hypothesis, Model, Parts, State, Unknown};
 use super::observability::Observability;
+use super::ray_distance::RayDistance;
 use super::remedy::Remedy;
 use super::segment::Cloud;
 use super::sights::Sights;
@@ -141,6 +142,7 @@ struct Student<'a> {
     range: &'a IndexRange,
     /// The state to which the vessel's spots alone bring the calibration and the wall.
     corrected: State,
+    vessel_only: Option<Solution>,
     prepared: PreparedSights,
     /// What noise does to each sight's gap and to its point along the line of sight, mm.
     gap_sigmas: Vec<f64>,
@@ -164,7 +166,7 @@ impl<'a> Student<'a> {
         let vessel_only = Model::new(setup, sights, none);
         let start = vessel_only.start(setup.media.liquid);
         let solved = vessel_only.solve(start.clone(), true);
-        let corrected = solved.map_or(start, |solution| solution.state);
+        let corrected = solved.as_ref().map_or(start, |s| s.state.clone());
         let model = Model::new(setup, sights, METHODS[0].1);
         let here = Hypothesis::new(&model, corrected.clone()).ok_or(IndexError::NoSights)?;
         let sigmas = sights.object.iter().map(|s| model.noise_of(&here, s));
@@ -185,6 +187,7 @@ impl<'a> Student<'a> {
             known,
             range,
             corrected,
+            vessel_only: solved,
             gap_sigmas,
             point_sigmas,
             common: if common.is_empty() {
@@ -260,36 +263,63 @@ impl<'a> Student<'a> {
 
     fn add(&self, study: &mut IndexStudy, method: IndexMethod, parts: Parts, faces: &Faces) {
         let model = self.model(parts, faces);
-        let Some(solution) = self.solve(parts, faces) else {
+        let found = match method {
+            IndexMethod::RayDistance => self.least_ray_distance(&model, &study.ray_distance_curve),
+            _ => self.solve(parts, faces).map(|s| self.solved(&model, s)),
+        };
+        let Some(found) = found else {
             let why = "the light gets through in too few views".to_owned();
             study.not_applicable.push((method, why));
             return;
         };
-        let estimate = self.estimate(method, &model, &solution, &study.observability);
+        let estimate = self.estimate(method, &model, &found, &study.observability);
         if estimate.verdict == Verdict::NotDetermined {
             let enough = WIDEST / NORMAL_95;
-            if let Some(remedy) = model.remedy(&solution.state, enough) {
+            if let Some(remedy) = model.remedy(&found.state, enough) {
                 study.remedies.push((method, remedy));
             }
         }
         study.estimates.push(estimate);
     }
 
+    /// Eq. (3), robust and weighted.
+    fn least_ray_distance(&self, model: &Model, curve: &IndexCurve) -> Option<Found> {
+        let mut state = self.corrected.clone();
+        let minimum = curve.minimum()?;
+        state.index = minimum.index;
+        let vessel = self.vessel_only.as_ref()?;
+        let linear = RayDistance::new(model, &state, vessel)?;
+        Some(Found {
+            sigma: linear.sigma(),
+            disagreement: linear.disagreement(&self.groups()),
+            corrections: corrections(vessel),
+            entangled: None,
+            state,
+        })
+    }
+
+    fn solved(&self, model: &Model, solution: Solution) -> Found {
+        let groups = self.groups();
+        let group_of = |row: &Row| model.view(row.whitened.source).map(|view| groups[view]);
+        Found {
+            sigma: solution.sigma(),
+            disagreement: solution.disagreement(group_of),
+            corrections: corrections(&solution),
+            entangled: most_entangled(&solution),
+            state: solution.state,
+        }
+    }
+
     fn estimate(
         &self,
         method: IndexMethod,
         model: &Model,
-        solution: &Solution,
+        found: &Found,
         observability: &Observability,
     ) -> IndexEstimate {
-        let sampling_sigma = solution.sigma();
-        let groups = self.groups();
-        let group_of = |row: &Row| model.view(row.whitened.source).map(|view| groups[view]);
-        let model_sigma = solution
-            .disagreement(group_of)
-            .map(|factor| factor * sampling_sigma);
-        let sigma = model_sigma.map_or(sampling_sigma, |m| m.max(sampling_sigma));
-        let index = solution.state.index;
+        let model_sigma = found.disagreement.map(|factor| factor * found.sigma);
+        let sigma = model_sigma.map_or(found.sigma, |m| m.max(found.sigma));
+        let index = found.state.index;
         let inside = index > self.range.from && index < self.range.to;
         let verdict = if inside {
             Verdict::of_sigma(sigma)
@@ -297,26 +327,26 @@ impl<'a> Student<'a> {
             Verdict::NotDetermined
         };
         let reason = (verdict == Verdict::NotDetermined)
-            .then(|| self.reason(method, solution, sigma, inside, observability));
+            .then(|| self.reason(method, found, sigma, inside, observability));
         let half = NORMAL_95 * sigma;
         IndexEstimate {
             method,
             verdict,
             value: (verdict != Verdict::NotDetermined).then_some(index),
             sigma,
-            sampling_sigma,
+            sampling_sigma: found.sigma,
             model_sigma,
-            floor: model.floor(&solution.state).unwrap_or(f64::INFINITY),
+            floor: model.floor(&found.state).unwrap_or(f64::INFINITY),
             interval: [index - half, index + half],
             reason,
-            corrections: corrections(solution),
+            corrections: found.corrections.clone(),
         }
     }
 
     fn reason(
         &self,
         method: IndexMethod,
-        solution: &Solution,
+        found: &Found,
         sigma: f64,
         inside: bool,
         observability: &Observability,
@@ -333,7 +363,7 @@ impl<'a> Student<'a> {
                 observability.cause(),
                 observability.median_pixels
             ),
-            _ => match most_entangled(solution) {
+            _ => match found.entangled {
                 Some((unknown, correlation)) => format!(
                     "the index can hardly be told from {} (correlation {correlation:+.2})",
                     unknown.describe()
@@ -588,6 +618,18 @@ impl<'a> Student<'a> {
         }
         Ok(())
     }
+}
+
+/// What a method found, before it is judged.
+struct Found {
+    state: State,
+    /// One standard deviation by propagation.
+    sigma: f64,
+    /// By what factor the rows of views disagree more than that explains.
+    disagreement: Option<f64>,
+    corrections: Vec<Correction>,
+    /// The unknown that goes most with the index, and its correlation.
+    entangled: Option<(Unknown, f64)>,
 }
 
 /// The faces of the object, what is known of them, and the index for which they were found.
