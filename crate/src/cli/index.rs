@@ -82,7 +82,6 @@ fn report(study: &IndexStudy) -> Vec<String> {
             )
         });
     }
-    if let Some(m) = study.ray_distance_curve.minimum() { lines.push(format!("  DEBUG robust {:.5} {:.4}", m.index, m.value)); }
     for known in &study.known_curves {
         lines.push(format!(
             "known[{}]: changes by {:.2} per unit of the index",
