@@ -8,6 +8,7 @@ mod index;
 mod reconstruct;
 mod schema;
 mod simulate;
+mod table;
 mod views;
 
 use std::io::{self, Write};
@@ -36,6 +37,8 @@ enum Command {
     Check(check::Arguments),
     /// Says what a scan tells of the liquid's refractive index, by every method
     Index(index::Arguments),
+    /// Works out the table of a rig that never moves against its window
+    Table(table::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
     Simulate(simulate::Arguments),
     /// Prints the JSON Schemas of scan.json and result.json
@@ -95,6 +98,7 @@ pub fn run() -> ExitCode {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Index(arguments) => index::run(&arguments),
+        Command::Table(arguments) => table::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
     };

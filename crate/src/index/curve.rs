@@ -108,7 +108,7 @@ impl PreparedSights {
         let pair = |sight: &ObjectSight| {
             let station = &model.setup.stations[sight.view];
             let pose = rig.station(&station.world_from_flange);
-            let beam = LastBend::new(&here.stack, far, &pose.ray(&rig.beam))?;
+            let beam = LastBend::new(&here.stack, far, &pose.ray(&rig.laser.axis()))?;
             let line = line_of_sight(rig, &pose, sight.pixel).ok()?;
             BendPair::new(beam, LastBend::new(&here.stack, far, &line)?)
         };

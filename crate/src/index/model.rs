@@ -8,7 +8,7 @@ use super::sights::{ObjectSight, Sights, VesselSight};
 use crate::camera::Pixel;
 use crate::object::{Meeting, Setup, meet};
 use crate::optics::{Media, Stack, Surface};
-use crate::rig::{Calibration, Rig};
+use crate::rig::{Calibration, Laser, Rig};
 use crate::scan::InsideMedium;
 use crate::vessel::{VesselFit, Wall};
 
@@ -141,11 +141,15 @@ pub(super) struct Model<'a> {
 
 impl<'a> Model<'a> {
     pub(super) fn new(setup: &'a Setup<'a>, sights: &'a Sights, parts: Parts) -> Self {
+        let beam = matches!(setup.rig.laser, Laser::Beam(_));
         Self {
             setup,
             sights,
             known: Vec::new(),
-            parts,
+            parts: Parts {
+                gaps: parts.gaps && beam,
+                ..parts
+            },
             glow_sigma: setup.vessel.glows.map_or(0.0, |glows| glows.share_sigma),
             wall: WallMotion::of(setup.vessel),
         }
@@ -313,12 +317,22 @@ impl<'a> Model<'a> {
         })
     }
 
+    /// Whether the laser is a beam: a sheet's light meets every line of sight, so that neither the
+    /// epipolar line nor the ray distance says anything.
+    pub(super) const fn has_beam(&self) -> bool {
+        matches!(self.setup.rig.laser, Laser::Beam(_))
+    }
+
     fn kinds(&self, source: Source) -> [Option<Kind>; 2] {
         match source {
             Source::Vessel(_) => {
                 // A wall that follows its points has used up what they say of it.
                 let follows = matches!(self.wall, WallMotion::Follows(_));
-                [Some(Kind::OffLine), (!follows).then_some(Kind::OnWall)]
+                let beam = self.has_beam();
+                [
+                    beam.then_some(Kind::OffLine),
+                    (!follows).then_some(Kind::OnWall),
+                ]
             }
             Source::Object { face, .. } => [
                 self.parts.gaps.then_some(Kind::Gap),
@@ -373,13 +387,11 @@ impl<'a> Model<'a> {
         let rig = &hypothesis.state.rig;
         let moved = sight.glow_offset * hypothesis.state.glow;
         let pixel = Pixel::new(pixel.u - moved.x, pixel.v - moved.y);
-        let on_beam = rig
-            .epipolar_line()
-            .triangulate(rig.camera.slope(pixel).ok()?)?;
+        let lit = rig.triangulate(rig.camera.slope(pixel).ok()?)?;
         let station = &self.setup.stations[sight.view];
-        let point = rig.station(&station.world_from_flange).point(on_beam.point);
+        let point = rig.station(&station.world_from_flange).point(lit.point);
         Some(Vector2::new(
-            on_beam.off_line * rig.camera.mean_focal(),
+            lit.off_line * rig.camera.mean_focal(),
             hypothesis.state.wall.outer.signed_distance(point),
         ))
     }

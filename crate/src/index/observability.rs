@@ -142,7 +142,7 @@ impl Model<'_> {
     fn incidence(&self, here: &Hypothesis, sight: &ObjectSight) -> Option<Incidence> {
         let rig = &here.state.rig;
         let pose = rig.station(&self.setup.stations[sight.view].world_from_flange);
-        let beam = pose.ray(&rig.beam);
+        let beam = pose.ray(&rig.laser.axis());
         let line = line_of_sight(rig, &pose, sight.pixel).ok()?;
         let outer = &here.state.wall.outer;
         let normals = [outer.hit(&beam)?.normal, outer.hit(&line)?.normal];
@@ -165,7 +165,7 @@ impl Model<'_> {
     /// to what the vessel's spots then seem to be.
     fn laser_shifts(&self, state: &State) -> [f64; 2] {
         let off = 0.05_f64.to_radians();
-        let beam = &state.rig.beam;
+        let beam = state.rig.laser.axis();
         let (u, v) = beam.direction.tangents();
         let Some(across) = beam
             .origin

@@ -7,7 +7,7 @@ use super::model::{Hypothesis, Model, State};
 use super::sights::{ObjectSight, Sights, VesselSight};
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Point, Pose, World};
-use crate::object::{Setup, line_of_sight};
+use crate::object::{Setup, laser_ray, line_of_sight};
 use crate::optics::aim_through;
 use crate::scan::Station;
 
@@ -143,7 +143,9 @@ impl Model<'_> {
         let pose = rig.station(&station.world_from_flange);
         let meeting = self.meeting(here, sight, sight.pixel)?;
         let pivot = meeting.point();
-        let baseline = pose.rotation() * rig.beam.origin.coords;
+        let light = laser_ray(rig, &pose, &here.stack, sight.pixel).ok()?;
+        let light = pose.inverse().ray(&light);
+        let baseline = pose.rotation() * rig.laser.origin().coords;
         let sight_line = line_of_sight(rig, &pose, sight.pixel).ok()?;
         let upright = sight_line.direction.vector().cross(&baseline);
         let other = self.sights.sweep_of.iter().max().copied().unwrap_or(0) == 0;
@@ -166,7 +168,7 @@ impl Model<'_> {
             ..station
         };
         // Where the turned beam lands.
-        let path = here.stack.path(&pose.ray(&rig.beam)).ok()?;
+        let path = here.stack.path(&pose.ray(&light)).ok()?;
         let along = match face {
             Some(face) => here.state.faces[face].surface.hit(&path.last)?.distance,
             None => meeting.approach.along_first,

@@ -34,7 +34,7 @@ pub struct ObjectSight {
 /// All of them, and which views belong together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sights {
-    /// The wall's, of every view that has one.
+    /// The wall's, of every view that has any.
     pub vessel: Vec<VesselSight>,
     /// The object's, of the views in which the beam enters the liquid: the others say nothing of it.
     pub object: Vec<ObjectSight>,
@@ -47,24 +47,23 @@ impl Sights {
     pub fn new(setup: &Setup, spots: &[Spots], choices: &[Choice]) -> Self {
         let grain = object_grain(setup, choices);
         let vessel = setup.vessel.points.iter().enumerate();
-        let vessel = vessel.filter_map(|(view, point)| {
-            let point = point.as_ref()?;
-            Some(VesselSight {
+        let vessel = vessel.flat_map(|(view, points)| {
+            points.iter().map(move |point| VesselSight {
                 view,
                 pixel: point.pixel,
                 glow_offset: point.glow_offset,
                 covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain),
             })
         });
-        let object = choices.iter().enumerate();
-        let object = object.filter_map(|(view, choice)| {
-            let in_liquid = setup.stations[view].inside == InsideMedium::Liquid;
-            let point = choice.point.as_ref().filter(|_| in_liquid)?;
-            let spot = &spots[view].spots[point.spot];
-            Some(ObjectSight {
-                view,
-                pixel: spot.pixel(),
-                covariance: spot.covariance_with(grain),
+        let in_liquid = |view: &usize| setup.stations[*view].inside == InsideMedium::Liquid;
+        let object = (0..choices.len()).filter(in_liquid).flat_map(|view| {
+            choices[view].points.iter().map(move |point| {
+                let spot = &spots[view].spots[point.spot];
+                ObjectSight {
+                    view,
+                    pixel: spot.pixel(),
+                    covariance: spot.covariance_with(grain),
+                }
             })
         });
         Self {

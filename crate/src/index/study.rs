@@ -171,9 +171,9 @@ impl<'a> Student<'a> {
         let here = Hypothesis::new(&model, corrected.clone()).ok_or(IndexError::NoSights)?;
         let sigmas = sights.object.iter().map(|s| model.noise_of(&here, s));
         let (gap_sigmas, point_sigmas) = sigmas.map(|s| s.unwrap_or((1.0, 1.0))).unzip();
-        let mut pixels = vec![None; setup.stations.len()];
+        let mut pixels = vec![Vec::new(); setup.stations.len()];
         for sight in &sights.object {
-            pixels[sight.view] = Some(sight.pixel);
+            pixels[sight.view] = vec![sight.pixel];
         }
         let common: Vec<f64> = calibration_sigmas(setup, &pixels)
             .into_iter()
@@ -476,11 +476,11 @@ impl<'a> Student<'a> {
         let rig = &self.corrected.rig;
         let normals = self.sights.object.iter().filter_map(|sight| {
             let station = &self.setup.stations[sight.view];
-            let beam = rig.station(&station.world_from_flange).ray(&rig.beam);
+            let beam = rig.station(&station.world_from_flange).ray(&rig.laser.axis());
             Some(self.corrected.wall.outer.hit(&beam)?.normal.vector())
         });
         let pose = &self.setup.stations[0].world_from_camera;
-        Direction::new(normals.sum()).unwrap_or_else(|_| pose.direction(rig.beam.direction))
+        Direction::new(normals.sum()).unwrap_or_else(|_| pose.direction(rig.laser.axis().direction))
     }
 
     fn plain_curve(&self) -> IndexCurve {

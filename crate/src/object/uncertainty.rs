@@ -139,12 +139,12 @@ impl CommonSigma {
     }
 }
 
-/// What an error of calibration would do to each view's point, given the pixel of its spot.
+/// What an error of calibration would do to the points of each view, given the pixels of their spots.
 ///
 /// Each calibrated number is moved by a small part of its sigma, and everything that follows is done
 /// again with the same spots: vessel points, the wall's fit, the light paths. So what an error does to
-/// the wall is in it.
-pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option<CommonSigma>> {
+/// the wall is in it. A spot whose light paths do not meet counts as unmoved.
+pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<CommonSigma>> {
     const PART: f64 = 1e-3;
     let base = all_meetings(
         setup.rig,
@@ -157,7 +157,7 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
         point: Vector3::zeros(),
         gap: 0.0,
     };
-    let mut sums: Vec<Option<CommonSigma>> = base.iter().map(|m| m.map(|_| none)).collect();
+    let mut sums: Vec<Vec<CommonSigma>> = pixels.iter().map(|p| vec![none; p.len()]).collect();
     for number in Calibration::ALL {
         let one = number.sigma(setup.calibration_sigma);
         let off = number.nudge(setup.rig, one * PART);
@@ -165,21 +165,18 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
             continue;
         };
         let moved = all_meetings(&off, &wall, &setup.media, setup.stations, pixels);
-        for ((sum, before), after) in sums.iter_mut().zip(&base).zip(&moved) {
-            if let (Some(total), Some(before), Some(after)) = (sum.as_mut(), before, after) {
-                *total = total.and(&change(before, after, 1.0 / PART));
+        let meetings = base.iter().flatten().zip(moved.iter().flatten());
+        for (sum, meetings) in sums.iter_mut().flatten().zip(meetings) {
+            if let (Some(before), Some(after)) = meetings {
+                *sum = sum.and(&change(before, after, 1.0 / PART));
             }
         }
     }
     sums
 }
 
-/// What an error of the liquid's index, of one standard deviation, would do to each view's point.
-pub fn index_sigmas(
-    setup: &Setup,
-    pixels: &[Option<Pixel>],
-    sigma: f64,
-) -> Vec<Option<CommonSigma>> {
+/// What an error of the liquid's index, of one standard deviation, would do to the points of each view.
+pub fn index_sigmas(setup: &Setup, pixels: &[Vec<Pixel>], sigma: f64) -> Vec<Vec<CommonSigma>> {
     const STEP: f64 = 1e-5;
     let at = |liquid: f64| {
         let media = Media {
@@ -189,10 +186,19 @@ pub fn index_sigmas(
         let wall = &setup.vessel.wall;
         all_meetings(setup.rig, wall, &media, setup.stations, pixels)
     };
-    let (back, ahead) = (at(setup.media.liquid - STEP), at(setup.media.liquid + STEP));
-    let factor = sigma / (2.0 * STEP);
-    let ends = back.iter().zip(&ahead);
-    ends.map(|(back, ahead)| Some(change(back.as_ref()?, ahead.as_ref()?, factor)))
+    let n = setup.media.liquid;
+    let ends = at(n - STEP).into_iter().zip(at(n + STEP));
+    let one = |(back, ahead): (Option<Meeting>, Option<Meeting>)| {
+        let none = CommonSigma {
+            point: Vector3::zeros(),
+            gap: 0.0,
+        };
+        let both = back.zip(ahead);
+        both.map_or(none, |(back, ahead)| {
+            change(&back, &ahead, sigma / (2.0 * STEP))
+        })
+    };
+    ends.map(|(back, ahead)| back.into_iter().zip(ahead).map(one).collect())
         .collect()
 }
 
@@ -208,22 +214,18 @@ fn all_meetings(
     wall: &Wall,
     media: &Media,
     stations: &[Station],
-    pixels: &[Option<Pixel>],
-) -> Vec<Option<Meeting>> {
+    pixels: &[Vec<Pixel>],
+) -> Vec<Vec<Option<Meeting>>> {
     let liquid = wall.stack(media, InsideMedium::Liquid);
     let air = wall.stack(media, InsideMedium::Air);
-    let one = |(station, pixel): (&Station, &Option<Pixel>)| {
+    let of_view = |(station, pixels): (&Station, &Vec<Pixel>)| {
         let stack = match station.inside {
-            InsideMedium::Liquid => liquid.as_ref().ok()?,
-            InsideMedium::Air => air.as_ref().ok()?,
+            InsideMedium::Liquid => liquid.as_ref().ok(),
+            InsideMedium::Air => air.as_ref().ok(),
         };
-        meet(
-            rig,
-            &rig.station(&station.world_from_flange),
-            stack,
-            (*pixel)?,
-        )
-        .ok()
+        let pose = rig.station(&station.world_from_flange);
+        let one = |pixel: &Pixel| meet(rig, &pose, stack?, *pixel).ok();
+        pixels.iter().map(one).collect()
     };
-    stations.iter().zip(pixels).map(one).collect()
+    stations.iter().zip(pixels).map(of_view).collect()
 }

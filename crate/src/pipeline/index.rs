@@ -176,7 +176,7 @@ fn inside_index(study: &IndexStudy, method: IndexMethod) -> Result<InsideIndex, 
 fn without_index(scan: &Scan, object: &mut [Choice]) {
     for (choice, station) in object.iter_mut().zip(&scan.stations) {
         if station.inside == InsideMedium::Liquid {
-            choice.point = None;
+            choice.points.clear();
         }
     }
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::camera::{Distortion, Intrinsics, Pixel};
 use crate::geometry::{Camera, Direction, Flange, Frame, Point, Pose, Ray, World};
 use crate::optics::Surface;
-use crate::rig::{CalibrationSigma, Rig};
+use crate::rig::{CalibrationSigma, Laser, Rig};
 
 /// A checked scan: the manifest, and what it means in the units and frames of the mathematics.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl Scan {
         check_version(&manifest)?;
         let rig = Rig {
             camera: intrinsics(&manifest)?,
-            beam: beam(&manifest)?,
+            laser: Laser::Beam(beam(&manifest)?),
             flange_from_camera: pose(&manifest.flange_from_camera, "flange_from_camera")?,
         };
         check_media(&manifest)?;

@@ -112,7 +112,8 @@ impl Simulation {
     /// What the beam of a view enters: air if it meets the inner face above the liquid's level.
     fn medium(&self, view: usize) -> InsideMedium {
         let station = &self.scan.stations[view];
-        let beam = station.world_from_camera.ray(&self.scan.rig.beam);
+        let axis = self.scan.rig.laser.axis();
+        let beam = station.world_from_camera.ray(&axis);
         match self.through(InsideMedium::Liquid).path(&beam) {
             Ok(path) => self.scene.medium_at(path.last.origin),
             Err(_) => InsideMedium::Liquid,
@@ -170,7 +171,7 @@ impl Simulation {
     /// Adds the light of the three spots of a view.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.beam) {
+        for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
             let landing = self.landing(view, &ray);
             let spots = [
                 (landing.outer, 0, brightness.outer_face),
