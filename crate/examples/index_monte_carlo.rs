@@ -1,6 +1,7 @@
 //! Does the estimate of the refractive index keep what it promises? Many scans of a scene are simulated at
 //! the level of spots, each with noise of its own and with a range finder that is off its calibration as
-//! calibration's standard deviations say, and the index is estimated from each.
+//! calibration's standard deviations say, what is known of the object is off as exactly as it is taken to be,
+//! and the index is estimated from each.
 //!
 //! ```sh
 //! cargo run --release -p snellius --example index_monte_carlo -- SCENE.toml [SCANS] [PIXELS]
@@ -17,7 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-use snellius::index::{IndexEstimate, IndexMethod};
+use snellius::index::{IndexEstimate, IndexMethod, KNOWN_TOLERANCE};
 use snellius::pipeline::{Settings, study_index};
 use snellius::rig::Calibration;
 use snellius::scan::Scan;
@@ -38,7 +39,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|seed| estimates(&simulation, &scan, pixels, seed))
         .collect();
     println!("{path}: {scans} scans, centroids to {pixels} px, n = {truth}");
-    println!("method        scans  bias      scatter  bound    ratio  stated   within 95 %  determined");
+    println!(
+        "method        scans  bias      scatter  bound    ratio  stated   within 95 %  determined"
+    );
     for method in [
         IndexMethod::RayDistance,
         IndexMethod::Overlap,
@@ -66,23 +69,36 @@ fn estimates(simulation: &Simulation, scan: &Scan, pixels: f64, seed: u64) -> Ve
         rig = number.nudge(&rig, error * number.sigma(&scan.calibration_sigma));
     }
     let simulation = simulation.clone().with_rig(rig);
+    let mut scan = scan.clone();
+    for known in &mut scan.manifest.known {
+        let error: f64 = random.sample(StandardNormal);
+        let error = error * KNOWN_TOLERANCE / known.weight.sqrt();
+        known.degrees = known.degrees.map(|value| value + error);
+        known.mm = known.mm.map(|value| value + error);
+    }
     let views = 0..simulation.views();
     let spots: Vec<_> = views.map(|v| simulation.spots(v, pixels, seed)).collect();
-    study_index(scan, &spots, &Settings::default()).map_or_else(|_| Vec::new(), |s| s.estimates)
+    match study_index(&scan, &spots, &Settings::default()) {
+        Ok(study) => study.estimates,
+        Err(error) => {
+            println!("scan {seed}: {error}");
+            Vec::new()
+        }
+    }
 }
 
 fn print(method: IndexMethod, found: &[&IndexEstimate], truth: f64) {
     let count = found.len() as f64;
-    let mean = |value: &dyn Fn(&IndexEstimate) -> f64| {
-        found.iter().map(|e| value(e)).sum::<f64>() / count
-    };
+    let mean =
+        |value: &dyn Fn(&IndexEstimate) -> f64| found.iter().map(|e| value(e)).sum::<f64>() / count;
     let middle = |e: &IndexEstimate| 0.5 * (e.interval[0] + e.interval[1]);
     let bias = mean(&middle) - truth;
     let square = |x: f64| x * x;
     let scatter = mean(&|e| square(middle(e) - truth - bias)).sqrt();
     let bound = mean(&|e| square(e.floor)).sqrt();
     let stated = mean(&|e| square(e.sigma)).sqrt();
-    let holds = |e: &IndexEstimate| f64::from(u8::from(e.interval[0] <= truth && truth <= e.interval[1]));
+    let holds =
+        |e: &IndexEstimate| f64::from(u8::from(e.interval[0] <= truth && truth <= e.interval[1]));
     let determined = |e: &IndexEstimate| f64::from(u8::from(e.value.is_some()));
     println!(
         "{:<13} {:5}  {bias:+.5}  {scatter:.5}  {bound:.5}  {:5.3}  {stated:.5}  {:9.1} %  {:8.1} %",

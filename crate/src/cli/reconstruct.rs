@@ -3,7 +3,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::{Failure, table, views};
-use crate::export::{InsideResult, ReconstructionResult, Status, object_ply, points_csv, vessel_ply};
+use crate::export::{
+    InsideResult, ReconstructionResult, Status, object_ply, points_csv, vessel_ply,
+};
 use crate::index::IndexMethod;
 use crate::pipeline::{Settings, reconstruct};
 use crate::table::measure;

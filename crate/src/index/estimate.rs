@@ -87,7 +87,8 @@ pub struct IndexEstimate {
     pub verdict: Verdict,
     /// The index; `None` where the scan cannot tell.
     pub value: Option<f64>,
-    /// One standard deviation: the larger of the two below.
+    /// One standard deviation: the first of the two below, or the larger where they disagree by more than
+    /// chance.
     pub sigma: f64,
     /// One standard deviation from the pictures' noise and calibration, by propagation.
     pub sampling_sigma: f64,

@@ -23,7 +23,7 @@ pub struct Known {
 
 /// A known shape of weight 1 is taken to be made this exactly: mm, and degrees of an angle. Another
 /// weight is the inverse of the variance, so it divides this by its root.
-const TOLERANCE: f64 = 0.05;
+pub const KNOWN_TOLERANCE: f64 = 0.05;
 
 impl Known {
     /// Checks the manifest's known shapes. Those of weight 0 are left out.
@@ -73,8 +73,8 @@ impl Known {
     /// One standard deviation of what is known.
     pub(super) fn sigma(&self) -> f64 {
         let exact = match self.kind {
-            KnownKind::PlaneAngle => TOLERANCE.to_radians(),
-            _ => TOLERANCE,
+            KnownKind::PlaneAngle => KNOWN_TOLERANCE.to_radians(),
+            _ => KNOWN_TOLERANCE,
         };
         exact / self.weight.sqrt()
     }

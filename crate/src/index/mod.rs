@@ -31,7 +31,7 @@ mod study;
 pub use curve::{CurveMinimum, IndexCurve, IndexRange, PreparedSights};
 pub use error::IndexError;
 pub use estimate::{Correction, IndexEstimate, IndexMethod, Verdict};
-pub use known::Known;
+pub use known::{KNOWN_TOLERANCE, Known};
 pub use look_up::{LIQUIDS, Liquid};
 pub use observability::{Blindness, Observability};
 pub use remedy::Remedy;

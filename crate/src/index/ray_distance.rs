@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::model::{Kind, Model, Source, State, Unknown};
-use super::solve::{Moved, Solution};
+use super::solve::{Disagreement, Moved, Solution};
 
 /// The minimum of the curve, linearised: n = n0 - gains . residuals.
 pub(super) struct RayDistance {
@@ -78,7 +78,7 @@ impl RayDistance {
     }
 
     /// As [`Solution::disagreement`].
-    pub(super) fn disagreement(&self, groups: &[usize]) -> Option<f64> {
+    pub(super) fn disagreement(&self, groups: &[usize]) -> Option<Disagreement> {
         let all = self.gains(|_| true)?;
         let last = groups.iter().max()?;
         let ratios: Vec<f64> = (0..=*last)
@@ -90,6 +90,6 @@ impl RayDistance {
                 (expected > 1e-6 * self.variance(&all)).then(|| shift * shift / expected)
             })
             .collect();
-        (ratios.len() >= 2).then(|| (ratios.iter().sum::<f64>() / ratios.len() as f64).sqrt())
+        Disagreement::of(&ratios)
     }
 }

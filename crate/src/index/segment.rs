@@ -34,14 +34,28 @@ impl Cloud<'_> {
     /// The faces that the points themselves show: planes, one after the other as long as enough points
     /// agree on one, or one round face if that explains the points better.
     pub(super) fn faces(&self) -> Vec<Face> {
-        let planes = self.planes();
-        let round = [VesselShape::Sphere, VesselShape::Cylinder];
-        let round = round.into_iter().filter_map(|shape| self.round(shape));
-        let candidates = std::iter::once(planes).chain(round.map(|face| vec![face]));
-        candidates
-            .map(|faces| (self.criterion(&faces), faces))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map_or_else(Vec::new, |(_, faces)| faces)
+        self.faces_of(self.kind())
+    }
+
+    /// Which kind of faces explains the points best.
+    pub(super) fn kind(&self) -> VesselShape {
+        [
+            VesselShape::Plane,
+            VesselShape::Sphere,
+            VesselShape::Cylinder,
+        ]
+        .into_iter()
+        .map(|kind| (self.criterion(&self.faces_of(kind)), kind))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(VesselShape::Plane, |(_, kind)| kind)
+    }
+
+    /// Faces of one kind.
+    pub(super) fn faces_of(&self, kind: VesselShape) -> Vec<Face> {
+        match kind {
+            VesselShape::Sphere | VesselShape::Cylinder => self.round(kind).into_iter().collect(),
+            _ => self.planes(),
+        }
     }
 
     /// The mean robust loss of the points about the faces: how badly these explain them.

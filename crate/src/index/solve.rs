@@ -311,7 +311,10 @@ impl Solution {
     ///
     /// as the variance of a shift is the difference of the two variances (J. Hausman, 1978). 1 on average
     /// where the model is right. `None` for fewer than two groups.
-    pub(super) fn disagreement(&self, group_of: impl Fn(&Row) -> Option<usize>) -> Option<f64> {
+    pub(super) fn disagreement(
+        &self,
+        group_of: impl Fn(&Row) -> Option<usize>,
+    ) -> Option<Disagreement> {
         let index = self.position(Unknown::Index)?;
         let sigma2 = self.covariance[(index, index)];
         let groups = self
@@ -333,6 +336,31 @@ impl Solution {
                 ratios.push(shift * shift / gained);
             }
         }
-        (ratios.len() >= 2).then(|| (ratios.iter().sum::<f64>() / ratios.len() as f64).sqrt())
+        Disagreement::of(&ratios)
+    }
+}
+
+/// By how much groups of views disagree on the index.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Disagreement {
+    /// The factor on its standard deviation.
+    pub(super) factor: f64,
+    /// Whether chance would hardly make it as large.
+    pub(super) significant: bool,
+}
+
+impl Disagreement {
+    /// From each group's squared shift over what is expected of it. The mean of G such has a standard
+    /// deviation of sqrt(2/G) about 1 where the model is right; twice that is no chance.
+    pub(super) fn of(ratios: &[f64]) -> Option<Self> {
+        let count = ratios.len() as f64;
+        if ratios.len() < 2 {
+            return None;
+        }
+        let mean = ratios.iter().sum::<f64>() / count;
+        Some(Self {
+            factor: mean.sqrt(),
+            significant: mean > 1.0 + 2.0 * (2.0 / count).sqrt(),
+        })
     }
 }

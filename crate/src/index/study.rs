@@ -11,7 +11,7 @@ use super::ray_distance::RayDistance;
 use super::remedy::Remedy;
 use super::segment::Cloud;
 use super::sights::Sights;
-use super::solve::{Row, Solution};
+use super::solve::{Disagreement, Row, Solution};
 use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::object::{Choice, Setup, calibration_sigmas};
 use crate::robust::median;
@@ -133,6 +133,9 @@ pub fn study(
     }
     Student::new(setup, &sights, known, range)?.study()
 }
+
+/// Most liquids' index is about this.
+const USUAL: f64 = 1.37;
 
 /// What does not change during the study.
 struct Student<'a> {
@@ -317,8 +320,9 @@ impl<'a> Student<'a> {
         found: &Found,
         observability: &Observability,
     ) -> IndexEstimate {
-        let model_sigma = found.disagreement.map(|factor| factor * found.sigma);
-        let sigma = model_sigma.map_or(found.sigma, |m| m.max(found.sigma));
+        let model_sigma = found.disagreement.map(|d| d.factor * found.sigma);
+        let disagreeing = found.disagreement.filter(|d| d.significant);
+        let sigma = found.sigma * disagreeing.map_or(1.0, |d| d.factor.max(1.0));
         let index = found.state.index;
         let inside = index > self.range.from && index < self.range.to;
         let verdict = if inside {
@@ -404,17 +408,18 @@ impl<'a> Student<'a> {
             ..*self.range
         };
         let mut tried: Vec<(f64, f64)> = Vec::new();
+        let kind = self.cloud(&self.points(USUAL), tolerance).kind();
         for index in coarse.values() {
             let points = self.points(index);
             let cloud = self.cloud(&points, tolerance);
-            tried.push((cloud.loss(&cloud.faces()), index));
+            tried.push((cloud.loss(&cloud.faces_of(kind)), index));
         }
         let least = tried.iter().map(|t| t.0).fold(f64::INFINITY, f64::min);
         // Where the faces do not tell, near the rays' own minimum, or what most liquids are.
         let usual = ray_distance
             .minimum()
             .filter(|m| !m.at_bound)
-            .map_or(1.37, |m| m.index.clamp(1.25, 1.5));
+            .map_or(USUAL, |m| m.index.clamp(1.25, 1.5));
         let index = tried
             .iter()
             .filter(|(loss, _)| *loss <= 1.2 * least + 0.05)
@@ -476,7 +481,9 @@ impl<'a> Student<'a> {
         let rig = &self.corrected.rig;
         let normals = self.sights.object.iter().filter_map(|sight| {
             let station = &self.setup.stations[sight.view];
-            let beam = rig.station(&station.world_from_flange).ray(&rig.laser.axis());
+            let beam = rig
+                .station(&station.world_from_flange)
+                .ray(&rig.laser.axis());
             Some(self.corrected.wall.outer.hit(&beam)?.normal.vector())
         });
         let pose = &self.setup.stations[0].world_from_camera;
@@ -626,7 +633,7 @@ struct Found {
     /// One standard deviation by propagation.
     sigma: f64,
     /// By what factor the rows of views disagree more than that explains.
-    disagreement: Option<f64>,
+    disagreement: Option<Disagreement>,
     corrections: Vec<Correction>,
     /// The unknown that goes most with the index, and its correlation.
     entangled: Option<(Unknown, f64)>,

@@ -2,9 +2,8 @@
 
 use super::{Reconstruction, warnings};
 use crate::export::{
-    GlowResult, InsideResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult,
-    ViewResult, WallResult,
+    GlowResult, InsideResult, MediaResult, OneOrMany, ReconstructionFormat, ReconstructionResult,
+    ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult, ViewResult, WallResult,
 };
 use crate::object::{Choice, ObjectPoint};
 use crate::optics::{Freeform, Surface};

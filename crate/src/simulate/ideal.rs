@@ -54,11 +54,7 @@ impl Simulation {
             u: first.u + q * x,
             v: first.v + q * y,
             covariance: [0.0; 3],
-            shape: [
-                blur + second * x * x,
-                second * x * y,
-                blur + second * y * y,
-            ],
+            shape: [blur + second * x * x, second * x * y, blur + second * y * y],
             skew: [
                 third * x * x * x,
                 third * x * x * y,

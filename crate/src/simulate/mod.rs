@@ -12,8 +12,8 @@ mod shapes;
 mod truth;
 
 pub use scene::{
-    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Turntable, Vessel,
+    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Scene, SceneError,
+    SceneMedia, SceneObject, Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -71,7 +71,10 @@ impl Simulation {
             solids,
         };
         simulation.note_media()?;
-        let rig = simulation.scene.calibration_error.apply(&simulation.scan.rig);
+        let rig = simulation
+            .scene
+            .calibration_error
+            .apply(&simulation.scan.rig);
         Ok(simulation.with_rig(rig))
     }
 

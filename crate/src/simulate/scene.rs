@@ -8,8 +8,8 @@ use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World,
 use crate::optics::{Cylinder, Sphere, Surface};
 use crate::rig::{Calibration, Rig};
 use crate::scan::{
-    CalibrationSigmaEntry, CameraEntry, InsideMedium, KnownShape, LaserEntry, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry,
-    ScanError, ScanFormat, VesselEntry, VesselShape,
+    CalibrationSigmaEntry, CameraEntry, InsideMedium, KnownShape, LaserEntry, LengthUnit, Manifest,
+    MediaEntry, Motion, PoseEntry, ScanError, ScanFormat, VesselEntry, VesselShape,
 };
 use crate::vessel::Wall;
 

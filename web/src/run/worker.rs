@@ -102,7 +102,9 @@ impl Desk {
         let scan = self.archive()?.scan().clone();
         let reconstruction = reconstruct(&scan, &self.spots, settings)?;
         if reconstruction.index.value.is_none() {
-            return Err(Problem::index_wanted(reconstruction.index.reason.as_deref()));
+            return Err(Problem::index_wanted(
+                reconstruction.index.reason.as_deref(),
+            ));
         }
         let outcome = Outcome::of(&reconstruction);
         self.result = Some(reconstruction.result());
