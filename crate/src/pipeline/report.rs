@@ -2,9 +2,9 @@
 
 use super::Reconstruction;
 use crate::export::{
-    GlowResult, IndexMethod, InsideResult, LineResult, MediaResult, OneOrMany,
-    ReconstructionFormat, ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult,
-    SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+    GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
+    VesselResult, ViewResult, WallResult,
 };
 use crate::object::{Choice, ObjectPoint};
 use crate::optics::{Freeform, Surface};
@@ -24,10 +24,12 @@ impl Reconstruction<'_> {
                 outside: self.media.outside,
                 wall: self.media.wall,
                 inside: InsideResult {
-                    value: Some(self.media.liquid),
-                    sigma: None,
-                    method: IndexMethod::Given,
-                    verdict: Verdict::Given,
+                    value: self.index.value,
+                    sigma: self.index.sigma,
+                    method: self.index.method,
+                    verdict: self.index.verdict,
+                    interval: self.index.interval,
+                    reason: self.index.reason.clone(),
                 },
             },
             vessel: self.vessel_result(),

@@ -2,6 +2,7 @@
 
 use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
+use crate::index::Verdict;
 use crate::text::{count, some_of};
 
 impl Reconstruction<'_> {
@@ -9,6 +10,7 @@ impl Reconstruction<'_> {
     pub fn warnings(&self) -> Vec<Warning> {
         let of_scan = self.scan.warnings.iter().cloned();
         let mut warnings: Vec<Warning> = of_scan.map(about(Stage::Scan)).collect();
+        warnings.extend(index(self).map(about(Stage::Index)));
         warnings.extend(statuses(self));
         warnings.extend(saturated(self).map(about(Stage::Spots)));
         let of_vessel = [off_epipolar_line(self), thickness(self), shape(self)];
@@ -19,6 +21,22 @@ impl Reconstruction<'_> {
 
 fn about(stage: Stage) -> impl Fn(String) -> Warning {
     move |text| Warning { stage, text }
+}
+
+/// An index that the scan cannot tell, or tells badly.
+fn index(reconstruction: &Reconstruction) -> Option<String> {
+    let index = &reconstruction.index;
+    match (index.verdict, index.sigma) {
+        (Verdict::NotDetermined, _) => Some(format!(
+            "the liquid's refractive index is not determined, so there are no object points in it: {}. Or \
+             give the index, if you know the liquid",
+            index.reason.as_deref().unwrap_or_default()
+        )),
+        (Verdict::Weak, Some(sigma)) => Some(format!(
+            "the liquid's refractive index is weakly determined (standard deviation {sigma:.4})"
+        )),
+        _ => None,
+    }
 }
 
 fn statuses(reconstruction: &Reconstruction) -> Vec<Warning> {

@@ -90,8 +90,8 @@ impl Finder<'_> {
         if let (Some(glows), None) = (&glow.glows, &self.known) {
             self.add_uncertainty(&mut fit, &picks(&of_share(share + glows.share_sigma)));
         }
-        let points = self.line_points(&lines, &merged, &blocks, &fit, grain);
-        let mut found = self.assemble(&picks(&blocks), fit, (grain, glow.glows, choice))?;
+        let points = self.line_points(&lines, (&merged, &blocks), &fit, (share, grain));
+        let mut found = self.assemble(&picks(&blocks), &faces, fit, (grain, glow.glows, choice))?;
         found.replace_points(points);
         Ok(found)
     }
@@ -250,10 +250,9 @@ impl Finder<'_> {
     fn line_points(
         &self,
         lines: &[ViewLine],
-        merged: &[Block],
-        blocks: &[Block],
+        (merged, blocks): (&[Block], &[Block]),
         fit: &SurfaceFit,
-        grain: f64,
+        (share, grain): (f64, f64),
     ) -> Vec<Vec<VesselPoint>> {
         let mut points = vec![Vec::new(); self.stations.len()];
         let carrying = |(row, _): &(usize, _)| fit.weights[*row] > 0.0;
@@ -266,7 +265,8 @@ impl Finder<'_> {
                 block.pick.pixel.u - before.pick.pixel.u,
                 block.pick.pixel.v - before.pick.pixel.v,
             );
-            let of_spot = |spot| self.line_point(line, block, spot, shift, &fit.surface, grain);
+            let of_spot =
+                |spot| self.line_point(line, block, spot, shift, &fit.surface, (share, grain));
             points[block.view].extend(block.spots.clone().filter_map(of_spot));
         }
         points
@@ -279,7 +279,7 @@ impl Finder<'_> {
         spot: usize,
         shift: Vector2<f64>,
         surface: &Surface,
-        grain: f64,
+        (share, grain): (f64, f64),
     ) -> Option<VesselPoint> {
         let seen = &line.spots[spot];
         let pixel = Pixel::new(seen.u + shift.x, seen.v + shift.y);
@@ -292,6 +292,11 @@ impl Finder<'_> {
         Some(VesselPoint {
             spot,
             pixel,
+            // To first order the ridge moves with the share.
+            glow_offset: match share > 0.0 {
+                true => -shift / share,
+                false => Vector2::zeros(),
+            },
             point,
             sigma: block.by_pixel.norm() * variance.sqrt() * cosine,
             off_line: None,
