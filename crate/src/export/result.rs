@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scan::{LengthUnit, VesselShape};
+use crate::scan::{InsideMedium, LengthUnit, VesselShape};
 
 /// Generates a struct of the result: public, serialisable, with a schema.
 macro_rules! result {
@@ -248,6 +248,12 @@ result! {
         /// Why it has no object point.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+        /// What the beam enters behind the wall, by what was measured, where the manifest says otherwise.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inside_proposed: Option<InsideMedium>,
+        /// What the view was measured in, where a proposal was accepted.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inside: Option<InsideMedium>,
         /// The point on the wall's outer face, world frame, mm.
         pub vessel: OneOrMany<[f64; 3]>,
         /// The point on the object, world frame, mm.

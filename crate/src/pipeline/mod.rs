@@ -31,6 +31,7 @@ use crate::camera::Pixel;
 use crate::geometry::{Point, World};
 use crate::object::{
     Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, meet_unrefracted,
+    propose_media,
 };
 use crate::optics::Media;
 use crate::scan::{Archive, InsideMedium, Scan, ScanError, Station};
@@ -49,6 +50,9 @@ pub struct Settings {
     pub object: ObjectSettings,
     /// The liquid's refractive index, in place of the manifest's.
     pub index: Option<f64>,
+    /// Whether views are measured in the medium that the scan itself proposes, where that is not the
+    /// manifest's.
+    pub accept_media: bool,
 }
 
 /// Why a scan gives no reconstruction.
@@ -91,6 +95,10 @@ pub struct Reconstruction<'a> {
     pub vessel: VesselFit,
     /// The media that were used.
     pub media: Media,
+    /// The scan's stations; where media were accepted, with those.
+    pub stations: Vec<Station>,
+    /// What each view's beam seems to enter, where that is not what the manifest says.
+    pub inside_proposed: Vec<Option<InsideMedium>>,
     /// Each view's object points.
     pub object: Vec<Choice>,
     /// What an error of calibration and index would do to each of them.
@@ -105,7 +113,7 @@ impl Reconstruction<'_> {
         Setup {
             rig: &self.scan.rig,
             calibration_sigma: &self.scan.calibration_sigma,
-            stations: &self.scan.stations,
+            stations: &self.stations,
             vessel: &self.vessel,
             media: self.media,
         }
@@ -132,21 +140,32 @@ pub fn reconstruct<'a>(
     }
     let media = media(scan, settings)?;
     let vessel = find_vessel(scan, spots, &media, &settings.vessel)?;
-    let setup = Setup {
+    let setup = |stations| Setup {
         rig: &scan.rig,
         calibration_sigma: &scan.calibration_sigma,
-        stations: &scan.stations,
+        stations,
         vessel: &vessel,
         media,
     };
-    let object = find_object(&setup, spots, &settings.object);
-    let common_sigmas = common_sigmas(&setup, spots, &object);
+    let as_said = setup(&scan.stations);
+    let mut object = find_object(&as_said, spots, &settings.object);
+    let inside_proposed = propose_media(&as_said, spots, &object, &settings.object);
+    let mut stations = scan.stations.clone();
+    if settings.accept_media && inside_proposed.iter().any(Option::is_some) {
+        for (station, proposed) in stations.iter_mut().zip(&inside_proposed) {
+            station.inside = proposed.unwrap_or(station.inside);
+        }
+        object = find_object(&setup(&stations), spots, &settings.object);
+    }
+    let common_sigmas = common_sigmas(&setup(&stations), spots, &object);
     let unrefracted = unrefracted(scan, spots, &object);
     Ok(Reconstruction {
         scan,
         spots,
         vessel,
         media,
+        stations,
+        inside_proposed,
         object,
         common_sigmas,
         unrefracted,

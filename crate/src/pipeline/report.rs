@@ -82,6 +82,9 @@ impl Reconstruction<'_> {
             id: self.scan.manifest.views[view].id.clone(),
             status,
             reason: reason(status, choice),
+            inside_proposed: self.inside_proposed[view],
+            inside: self.inside_proposed[view]
+                .filter(|inside| *inside == self.stations[view].inside),
             vessel: self.of_laser(self.vessel.points[view].iter().map(|p| p.point.to_array())),
             object: points(|p| p.meeting.point().to_array()),
             object_sigma: points(|p| p.noise.sigma().into()),

@@ -2,6 +2,7 @@
 
 use super::Reconstruction;
 use crate::export::Status;
+use crate::scan::InsideMedium;
 use crate::text::{count, some_of};
 
 /// Every warning of a reconstruction, those of the scan first.
@@ -11,6 +12,7 @@ pub(super) fn of(reconstruction: &Reconstruction) -> Vec<String> {
     warnings.extend(saturated(reconstruction));
     warnings.extend(off_epipolar_line(reconstruction));
     warnings.extend(thickness(reconstruction));
+    warnings.extend(media(reconstruction));
     warnings.extend(shape(reconstruction));
     warnings
 }
@@ -77,6 +79,34 @@ fn thickness(reconstruction: &Reconstruction) -> Option<String> {
              given"
         )
     })
+}
+
+/// Views that fit another medium far better than the one that the manifest names.
+fn media(reconstruction: &Reconstruction) -> Vec<String> {
+    let kinds = [
+        (InsideMedium::Air, "air", "the liquid"),
+        (InsideMedium::Liquid, "the liquid", "air"),
+    ];
+    let ids = |medium: InsideMedium| -> Vec<&str> {
+        let proposed = reconstruction.inside_proposed.iter();
+        let views = proposed.zip(&reconstruction.scan.manifest.views);
+        views
+            .filter(|(proposed, _)| **proposed == Some(medium))
+            .map(|(_, entry)| entry.id.as_str())
+            .collect()
+    };
+    let warn = |(medium, seems, says): (InsideMedium, &str, &str)| {
+        let ids = ids(medium);
+        (!ids.is_empty()).then(|| {
+            let look = if ids.len() == 1 { "looks" } else { "look" };
+            format!(
+                "{} {look} as if the beam entered {seems}, and scan.json says {says}: {}",
+                count(ids.len(), "view"),
+                some_of(&ids)
+            )
+        })
+    };
+    kinds.into_iter().filter_map(warn).collect()
 }
 
 /// A shape that `auto` chose by a hair.
