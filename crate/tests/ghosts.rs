@@ -9,6 +9,7 @@
 mod common;
 
 use common::Random;
+use common::archives;
 use common::synthetic::{KINDS, Score, measure, scene};
 use snellius::simulate::SceneObject;
 
@@ -121,4 +122,29 @@ fn a_step_of_the_object_is_no_back_wall() {
     let (result, truth) = measure(scene);
     let score = Score::of(&result, &truth);
     assert_eq!((score.found, score.false_points), (score.wanted, 0));
+}
+
+/// The same with pictures: ghosts before the wall, between, and beyond the object, as bright as its spot and
+/// less, and the mirror images that the tank's sides make.
+#[test]
+fn ghosts_in_pictures_become_no_points() {
+    let mut total = Score::default();
+    for seed in 0..4 {
+        let mut scene = archives::scene();
+        scene.seed = 1000 * seed + 5;
+        scene.ghosts.probability = 0.25;
+        scene.ghosts.mirrored = 0.5;
+        scene.ghosts.reach = 20.0;
+        let simulated = archives::simulate(scene);
+        let ghosts = simulated.truth.views.iter().map(|view| view.ghosts.len());
+        assert!(ghosts.sum::<usize>() > 4);
+        let result = archives::measure(&simulated.archive).unwrap();
+        total = total.and(Score::of(&result, &simulated.truth));
+    }
+    assert_eq!((total.false_points, total.gross), (0, 0), "{total:?}");
+    assert!(
+        total.found as f64 >= 0.97 * total.wanted as f64,
+        "{total:?}"
+    );
+    assert!(total.rms() < 0.25, "{}", total.rms());
 }
