@@ -42,7 +42,6 @@ fn standard_deviations_are_those_of_the_scatter() {
         let all = normalised(kind, 40);
         let share =
             |limit: f64| all.iter().filter(|z| z.abs() <= limit).count() as f64 / all.len() as f64;
-        let root = (all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64).sqrt();
         assert!(
             (0.93..0.98).contains(&share(2.0)),
             "{kind}: {} within 2",

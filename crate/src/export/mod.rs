@@ -7,7 +7,6 @@ mod result;
 pub use csv::points_csv;
 pub use ply::{object_ply, vessel_ply};
 pub use result::{
-    GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult,
-    ViewResult, WallResult,
+    GlowResult, InsideResult, MediaResult, OneOrMany, ReconstructionFormat, ReconstructionResult,
+    ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult, ViewResult, WallResult,
 };

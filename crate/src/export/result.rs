@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::index::{IndexMethod, Verdict};
 use crate::scan::{InsideMedium, LengthUnit, VesselShape};
 
 /// Generates a struct of the result: public, serialisable, with a schema.
@@ -24,24 +25,6 @@ pub enum ReconstructionFormat {
     #[default]
     #[serde(rename = "refractive-reconstruction")]
     RefractiveReconstruction,
-}
-
-/// Where the liquid's index comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum IndexMethod {
-    /// The manifest or the user said it.
-    Given,
-}
-
-/// What the index is worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The manifest or the user said it.
-    Given,
 }
 
 /// What became of a view.
@@ -198,6 +181,12 @@ result! {
         pub method: IndexMethod,
         /// What it is worth.
         pub verdict: Verdict,
+        /// Within it the index lies 95 times in 100, where it was estimated; also where there is no value.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub interval: Option<[f64; 2]>,
+        /// Why the scan cannot tell, and what would let it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub reason: Option<String>,
     }
 
     /// The vessel's wall.

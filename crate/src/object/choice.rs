@@ -179,6 +179,12 @@ pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) ->
     choices
 }
 
+/// The grain of laser light as the chosen spots show it (see [`Spot::covariance_with`]); where they are
+/// too few, that of the wall's spots.
+pub fn object_grain(setup: &Setup, choices: &[Choice]) -> f64 {
+    grain::estimate(choices, &sweeps(setup.stations)).unwrap_or(setup.vessel.grain)
+}
+
 /// Puts the grain that the object's own spots show into their points' standard deviations, where there
 /// are enough of them to show it.
 fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {

@@ -175,6 +175,33 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<Commo
     sums
 }
 
+/// What an error of the liquid's index, of one standard deviation, would do to the points of each view.
+pub fn index_sigmas(setup: &Setup, pixels: &[Vec<Pixel>], sigma: f64) -> Vec<Vec<CommonSigma>> {
+    const STEP: f64 = 1e-5;
+    let at = |liquid: f64| {
+        let media = Media {
+            liquid,
+            ..setup.media
+        };
+        let wall = &setup.vessel.wall;
+        all_meetings(setup.rig, wall, &media, setup.stations, pixels)
+    };
+    let n = setup.media.liquid;
+    let ends = at(n - STEP).into_iter().zip(at(n + STEP));
+    let one = |(back, ahead): (Option<Meeting>, Option<Meeting>)| {
+        let none = CommonSigma {
+            point: Vector3::zeros(),
+            gap: 0.0,
+        };
+        let both = back.zip(ahead);
+        both.map_or(none, |(back, ahead)| {
+            change(&back, &ahead, sigma / (2.0 * STEP))
+        })
+    };
+    ends.map(|(back, ahead)| back.into_iter().zip(ahead).map(one).collect())
+        .collect()
+}
+
 fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {
     CommonSigma {
         point: (after.point() - before.point()).abs() * factor,

@@ -1,10 +1,9 @@
 //! From a reconstruction to its public format.
 
-use super::{Reconstruction, warnings};
+use super::Reconstruction;
 use crate::export::{
-    GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult,
-    ViewResult, WallResult,
+    GlowResult, InsideResult, MediaResult, OneOrMany, ReconstructionFormat, ReconstructionResult,
+    ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult, ViewResult, WallResult,
 };
 use crate::object::{Choice, ObjectPoint};
 use crate::optics::{Freeform, Surface};
@@ -24,17 +23,19 @@ impl Reconstruction<'_> {
                 outside: self.media.outside,
                 wall: self.media.wall,
                 inside: InsideResult {
-                    value: Some(self.media.liquid),
-                    sigma: None,
-                    method: IndexMethod::Given,
-                    verdict: Verdict::Given,
+                    value: self.index.value,
+                    sigma: self.index.sigma,
+                    method: self.index.method,
+                    verdict: self.index.verdict,
+                    interval: self.index.interval,
+                    reason: self.index.reason.clone(),
                 },
             },
             vessel: self.vessel_result(),
             views: (0..manifest.views.len())
                 .map(|view| self.view_result(view))
                 .collect(),
-            warnings: warnings::of(self),
+            warnings: self.warnings().into_iter().map(|w| w.text).collect(),
         }
     }
 

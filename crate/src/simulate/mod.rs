@@ -5,6 +5,7 @@
 //! lens's blur. Spots on oblique faces come out oblique.
 
 mod ghosts;
+mod ideal;
 mod noise;
 mod render;
 mod scene;
@@ -13,8 +14,8 @@ mod truth;
 
 pub use ghosts::{Ghost, GhostKind, Ghosts};
 pub use scene::{
-    Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Turntable, Vessel,
+    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Scene, SceneError,
+    SceneMedia, SceneObject, Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -24,6 +25,7 @@ use nalgebra::UnitQuaternion;
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
+use crate::rig::Rig;
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
@@ -76,7 +78,25 @@ impl Simulation {
             solids,
         };
         simulation.note_media()?;
-        Ok(simulation)
+        let rig = simulation
+            .scene
+            .calibration_error
+            .apply(&simulation.scan.rig);
+        Ok(simulation.with_rig(rig))
+    }
+
+    /// The same scene photographed with a range finder other than the manifest says.
+    pub fn with_rig(mut self, rig: Rig) -> Self {
+        self.scan.rig = rig;
+        for station in &mut self.scan.stations {
+            station.world_from_camera = rig.station(&station.world_from_flange);
+        }
+        self
+    }
+
+    /// The range finder that takes the pictures.
+    pub const fn rig(&self) -> &Rig {
+        &self.scan.rig
     }
 
     /// Notes for each view what the beam enters behind the wall.

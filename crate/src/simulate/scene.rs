@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::{Ghosts, Solid, rotation_from_degrees};
 use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
 use crate::optics::{Cylinder, Sphere, Surface};
+use crate::rig::{Calibration, Rig};
 use crate::scan::{
-    CameraEntry, InsideMedium, LaserEntry, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry,
-    ScanError, ScanFormat, VesselEntry, VesselShape,
+    CalibrationSigmaEntry, CameraEntry, InsideMedium, KnownShape, LaserEntry, LengthUnit, Manifest,
+    MediaEntry, Motion, PoseEntry, ScanError, ScanFormat, VesselEntry, VesselShape,
 };
 use crate::vessel::Wall;
 
@@ -76,6 +77,15 @@ pub struct Scene {
     /// The spots' light.
     #[serde(default)]
     pub brightness: Brightness,
+    /// How the true range finder differs from what the manifest says of it.
+    #[serde(default)]
+    pub calibration_error: CalibrationError,
+    /// What calibration is worth, as in `scan.json`.
+    #[serde(default)]
+    pub calibration_sigma: Option<CalibrationSigmaEntry>,
+    /// What is known of the object, as in `scan.json`.
+    #[serde(default)]
+    pub known: Vec<KnownShape>,
     /// The light of the room.
     #[serde(default)]
     pub ambient: Ambient,
@@ -231,6 +241,68 @@ impl Default for Brightness {
     }
 }
 
+/// An error of calibration: truth less manifest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrationError {
+    /// mm.
+    pub laser_origin: [f64; 3],
+    /// Degrees: within the plane of the beam and the camera's centre, away from the camera's axis; and
+    /// across it.
+    pub laser_direction: [f64; 2],
+    /// px: across, down.
+    pub focal_length: [f64; 2],
+    /// px: across, down.
+    pub principal_point: [f64; 2],
+    /// Degrees, about the camera's axes.
+    pub hand_eye_rotation: [f64; 3],
+    /// mm.
+    pub hand_eye_translation: [f64; 3],
+}
+
+impl CalibrationError {
+    /// The true range finder.
+    pub fn apply(&self, rig: &Rig) -> Rig {
+        let steps = [
+            (Calibration::FocalLength(0), self.focal_length[0]),
+            (Calibration::FocalLength(1), self.focal_length[1]),
+            (Calibration::PrincipalPoint(0), self.principal_point[0]),
+            (Calibration::PrincipalPoint(1), self.principal_point[1]),
+        ];
+        let along = |axis: usize| {
+            [
+                (Calibration::LaserOrigin(axis), self.laser_origin[axis]),
+                (
+                    Calibration::HandEyeRotation(axis),
+                    self.hand_eye_rotation[axis].to_radians(),
+                ),
+                (
+                    Calibration::HandEyeTranslation(axis),
+                    self.hand_eye_translation[axis],
+                ),
+            ]
+        };
+        let all = self.tilts(rig).into_iter().chain(steps);
+        all.chain((0..3).flat_map(along))
+            .fold(*rig, |rig, (number, step)| number.nudge(&rig, step))
+    }
+
+    /// The error of the laser's direction as tilts towards its two tangents.
+    fn tilts(&self, rig: &Rig) -> [(Calibration, f64); 2] {
+        let axis = rig.laser.axis();
+        let (u, v) = axis.direction.tangents();
+        let across = axis.origin.coords.cross(&axis.direction.vector());
+        let across = across.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let within = axis.direction.vector().cross(&across);
+        let [a, b] = self.laser_direction.map(f64::to_radians);
+        let tilt = within * a + across * b;
+        [
+            (Calibration::LaserDirection(0), tilt.dot(&u)),
+            (Calibration::LaserDirection(1), tilt.dot(&v)),
+        ]
+    }
+}
+
 /// The light of the room, grey values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -321,7 +393,7 @@ impl Scene {
             camera: self.camera.clone(),
             laser: self.laser.clone(),
             flange_from_camera: self.flange_from_camera.clone(),
-            calibration_sigma: None,
+            calibration_sigma: self.calibration_sigma.clone(),
             vessel: VesselEntry {
                 shape: self.vessel.declared.unwrap_or(self.vessel.shape),
                 wall_thickness: self.vessel.wall_thickness,
@@ -340,7 +412,7 @@ impl Scene {
                 inside: self.index_known.then_some(self.media.inside),
                 extra: Default::default(),
             },
-            known: Vec::new(),
+            known: self.known.clone(),
             views: Vec::new(),
             extra: Default::default(),
         })

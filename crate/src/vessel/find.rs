@@ -1,4 +1,4 @@
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::glow::{self, Faces, Glows};
@@ -47,6 +47,9 @@ pub struct VesselPoint {
     pub spot: usize,
     /// Where the outer face's own glow is seen: the spot's centroid less what the inner glow does to it.
     pub pixel: Pixel,
+    /// From the outer face's glow to the inner one's, px; zero where they are seen in one place. The
+    /// spot's centroid lies the inner glow's share of this off `pixel`.
+    pub glow_offset: Vector2<f64>,
     /// The point.
     pub point: Point<World>,
     /// One standard deviation across the wall, from the centroid's noise, mm.
@@ -215,7 +218,7 @@ impl Finder<'_> {
             let more = self.without_inner_glow(&merged, &faces, share + glows.share_sigma);
             self.add_uncertainty(&mut fit, &more);
         }
-        self.assemble(&picks, fit, (grain, glows, choice))
+        self.assemble(&picks, &faces, fit, (grain, glows, choice))
     }
 
     /// Each view's spot on the wall, and a first fit.
@@ -398,6 +401,7 @@ impl Finder<'_> {
     fn assemble(
         &self,
         picks: &[Pick],
+        faces: &[Option<Faces>],
         fit: SurfaceFit,
         (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
@@ -408,6 +412,7 @@ impl Finder<'_> {
             points[pick.view].extend((fit.weights[row] > 0.0).then(|| VesselPoint {
                 spot: pick.candidate.spot,
                 pixel: pick.pixel,
+                glow_offset: faces[row].map_or_else(Vector2::zeros, |faces| faces.offset),
                 point: place.point,
                 sigma: place.sigma,
                 off_line: pick.candidate.off_line,

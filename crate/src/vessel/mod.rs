@@ -15,5 +15,5 @@ mod wall;
 pub use find::{VesselError, VesselFit, VesselPoint, VesselSettings, find_vessel};
 pub use glow::Glows;
 pub use mesh::{MeshNode, WallMesh};
-pub use shape::ShapeChoice;
+pub use shape::{ShapeChoice, fit_shape, refit_shape};
 pub use wall::{FarWall, NoRoom, Wall};
