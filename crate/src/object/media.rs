@@ -277,7 +277,7 @@ fn both(
     let station = &setup.stations[view];
     let flipped = Station {
         inside: other(station.inside),
-        ..station.clone()
+        ..*station
     };
     let read = |spot: &Spot| {
         Some([
