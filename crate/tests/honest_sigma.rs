@@ -21,7 +21,7 @@ fn normalised(kind: &str, scans: u64) -> Vec<f64> {
         let (result, truth) = measure(scene);
         for (view, truth) in result.views.iter().zip(&truth.views) {
             let found = view.object.first().zip(view.object_sigma.first());
-            if let (Some((found, sigma)), Some(place)) = (found, truth.object) {
+            if let (Some((found, sigma)), Some(place)) = (found, truth.object.first()) {
                 all.extend((0..3).map(|axis| (found[axis] - place[axis]) / sigma[axis]));
             }
         }

@@ -1,5 +1,7 @@
 //! `result.json`: the public format of a reconstruction.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::index::{IndexMethod, Verdict};
@@ -253,8 +255,31 @@ result! {
         pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
         pub ray_distance: OneOrMany<f64>,
-        /// The spots that were found.
+        /// The spots that were found; of a line laser none, see `line`.
         pub spots: Vec<SpotResult>,
+        /// Of a line laser: the points of its line in the picture.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub line: Option<LineResult>,
+    }
+
+    /// A line laser's line in the picture, px: one point a row or column.
+    pub struct LineResult {
+        /// Where the points of `vessel` are seen, in their order.
+        pub vessel: Vec<[f64; 2]>,
+        /// Where the points of `object` are seen, in their order.
+        pub object: Vec<[f64; 2]>,
+        /// Points that are neither.
+        pub stray: Vec<[f64; 2]>,
+        /// Why points are not the object's, and how many.
+        pub refused: Vec<RefusedResult>,
+    }
+
+    /// Points that were refused alike.
+    pub struct RefusedResult {
+        /// Why.
+        pub reason: String,
+        /// How many points.
+        pub points: usize,
     }
 
     /// A spot.
@@ -266,6 +291,22 @@ result! {
         /// Why it is not the object's.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+    }
+}
+
+impl RefusedResult {
+    /// Equal reasons counted, most frequent first.
+    pub fn alike(reasons: impl Iterator<Item = String>) -> Vec<Self> {
+        let mut counts = BTreeMap::new();
+        for reason in reasons {
+            *counts.entry(reason).or_insert(0) += 1;
+        }
+        let counted = counts.into_iter();
+        let mut refused: Vec<_> = counted
+            .map(|(reason, points)| Self { reason, points })
+            .collect();
+        refused.sort_by_key(|refused| std::cmp::Reverse(refused.points));
+        refused
     }
 }
 

@@ -5,6 +5,7 @@ mod back;
 mod choice;
 mod fan;
 mod grain;
+mod line;
 mod media;
 mod meeting;
 mod neighbours;

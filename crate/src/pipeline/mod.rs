@@ -41,8 +41,9 @@ use crate::object::{
     meet_unrefracted, propose_media,
 };
 use crate::optics::Media;
+use crate::rig::Laser;
 use crate::scan::{Archive, InsideMedium, Scan, ScanError, Station};
-use crate::spots::{SpotSettings, Spots, find_spots};
+use crate::spots::{SpotSettings, Spots, find_line, find_spots};
 use crate::vessel::{VesselError, VesselFit, VesselSettings};
 use index::Measured;
 
@@ -134,13 +135,17 @@ impl Reconstruction<'_> {
     }
 }
 
-/// Reads a view's pictures and finds its spots.
+/// Reads a view's pictures and finds its spots, or the points of its line.
 pub fn observe<R: Read + Seek>(
     archive: &mut Archive<R>,
     view: usize,
     settings: &Settings,
 ) -> Result<Spots, ScanError> {
-    Ok(find_spots(&archive.pictures(view)?, &settings.spots))
+    let pictures = archive.pictures(view)?;
+    Ok(match &archive.scan().rig.laser {
+        Laser::Beam(_) => find_spots(&pictures, &settings.spots),
+        Laser::Sheet(sheet) => find_line(&pictures, sheet.profiles(), &settings.spots),
+    })
 }
 
 /// Measures vessel and object from the spots of all views, which stand in the manifest's order.
@@ -204,8 +209,16 @@ fn common_sigmas(
     object: &[Choice],
     index_sigma: Option<f64>,
 ) -> Vec<Vec<CommonSigma>> {
-    let views = object.iter().zip(spots);
-    let pixels: Vec<_> = views.map(|(choice, view)| pixels(choice, view)).collect();
+    // It hardly changes from one point of a line to the next.
+    let shared_by = match setup.rig.laser {
+        Laser::Beam(_) => 1,
+        Laser::Sheet(_) => 8,
+    };
+    let some = |(choice, view)| {
+        let pixels = pixels(choice, view).into_iter();
+        pixels.step_by(shared_by).collect()
+    };
+    let pixels: Vec<_> = object.iter().zip(spots).map(some).collect();
     let mut sigmas = calibration_sigmas(setup, &pixels);
     if let Some(index_sigma) = index_sigma {
         let index = index_sigmas(setup, &pixels, index_sigma);
@@ -213,7 +226,11 @@ fn common_sigmas(
             *sigma = sigma.and(index);
         }
     }
-    sigmas
+    let all = |(choice, sigmas): (&Choice, &Vec<CommonSigma>)| {
+        let points = 0..choice.points.len();
+        points.map(|point| sigmas[point / shared_by]).collect()
+    };
+    object.iter().zip(&sigmas).map(all).collect()
 }
 
 fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Vec<Option<Point<World>>>> {

@@ -40,6 +40,7 @@ impl Simulation {
         Spots {
             spots,
             noise: self.scene.noise.read,
+            line: None,
         }
     }
 

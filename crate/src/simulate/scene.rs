@@ -4,9 +4,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{Ghosts, Solid, rotation_from_degrees};
+use crate::camera::Intrinsics;
 use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
 use crate::optics::{Cylinder, Sphere, Surface};
-use crate::rig::{Calibration, Rig};
+use crate::rig::{Calibration, Rig, Sheet};
 use crate::scan::{
     CalibrationSigmaEntry, CameraEntry, InsideMedium, KnownShape, LaserEntry, LengthUnit, Manifest,
     MediaEntry, Motion, PoseEntry, ScanError, ScanFormat, VesselEntry, VesselShape,
@@ -201,8 +202,10 @@ pub struct Sweep {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BeamProfile {
-    /// Standard deviation of the beam's Gaussian cross-section, mm.
+    /// Standard deviation of the beam's Gaussian cross-section, or of the sheet's thickness, mm.
     pub sigma: f64,
+    /// How far the fan of a line laser opens, degrees.
+    pub fan: f64,
     /// Standard deviation of the lens's blur, px.
     pub blur: f64,
 }
@@ -211,12 +214,13 @@ impl Default for BeamProfile {
     fn default() -> Self {
         Self {
             sigma: 0.25,
+            fan: 40.0,
             blur: 0.9,
         }
     }
 }
 
-/// The light of the spots: grey values summed over their pixels.
+/// The light of the spots: grey values summed over their pixels; of a line, over a profile across it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Brightness {
@@ -360,6 +364,7 @@ impl Scene {
         };
         positive(self.beam.sigma, "beam.sigma")?;
         positive(self.beam.blur, "beam.blur")?;
+        positive(self.beam.fan, "beam.fan")?;
         positive(self.vessel.half_size[0], "vessel.half_size")?;
         positive(self.vessel.half_size[1], "vessel.half_size")?;
         let dark = |value: f64, key| {
@@ -517,6 +522,30 @@ impl Scene {
 }
 
 impl BeamProfile {
+    /// The rays of a sheet's fan, fine enough for a picture to show an even line, in their order along
+    /// it: at each angle those through the sheet's thickness with their shares of the light, which add up
+    /// to 1.
+    pub(super) fn fan(&self, sheet: &Sheet, camera: &Intrinsics) -> Vec<Vec<(Ray<Camera>, f64)>> {
+        /// Millimetres of light a radian apart are about the focal length in pixels apart.
+        const PER_PIXEL: f64 = 1.5;
+        const HALF: i32 = 3;
+        const REACH: f64 = 2.5;
+        let opening = self.fan.to_radians();
+        let steps = (opening * camera.mean_focal() * PER_PIXEL).ceil();
+        let offsets = (-HALF..=HALF).map(|i| f64::from(i) * REACH / f64::from(HALF));
+        let shares: Vec<(f64, f64)> = offsets.map(|z| (z, libm::exp(-0.5 * z * z))).collect();
+        let total: f64 = shares.iter().map(|(_, share)| share).sum();
+        let at = |step: usize| {
+            let ray = sheet.ray_at((step as f64 / steps - 0.5) * opening);
+            let beside = |(z, share): &(f64, f64)| {
+                let origin = ray.origin + sheet.normal * (z * self.sigma);
+                (Ray::new(origin, ray.direction), share / total)
+            };
+            shares.iter().map(beside).collect()
+        };
+        (0..=steps as usize).map(at).collect()
+    }
+
     /// The beam as a bundle of parallel rays with their shares of the light, which add up to 1.
     pub(super) fn rays(&self, beam: &Ray<Camera>) -> Vec<(Ray<Camera>, f64)> {
         const HALF: i32 = 4;

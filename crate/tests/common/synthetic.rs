@@ -26,8 +26,8 @@ impl Score {
         let mut score = Self::default();
         for (view, truth) in result.views.iter().zip(&truth.views) {
             score.views += 1;
-            score.wanted += usize::from(truth.object.is_some());
-            match (view.object.first(), truth.object) {
+            score.wanted += usize::from(truth.object.first().is_some());
+            match (view.object.first(), truth.object.first()) {
                 (Some(found), Some(place)) => {
                     let off = (Vector3::from(found) - Vector3::from(place)).norm();
                     score.found += 1;
@@ -84,8 +84,8 @@ pub fn spots(view: &TruthView, random: &mut Random) -> Spots {
     let usual = |light: f64, random: &mut Random| light * (0.15 * random.normal()).exp();
     let mut lights: Vec<([f64; 2], f64)> = Vec::new();
     let own = [
-        (view.vessel_pixel, 650.0),
-        (view.object_pixel, 900.0),
+        (view.vessel_pixel.first(), 650.0),
+        (view.object_pixel.first(), 900.0),
         (view.back_pixel, 500.0),
     ];
     for (pixel, light) in own {
@@ -113,7 +113,11 @@ pub fn spots(view: &TruthView, random: &mut Random) -> Spots {
         .map(|(pixel, light)| spot(pixel, light, random))
         .collect();
     spots.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
-    Spots { spots, noise: 1.0 }
+    Spots {
+        spots,
+        noise: 1.0,
+        line: None,
+    }
 }
 
 pub fn measure(scene: Scene) -> (ReconstructionResult, Truth) {
