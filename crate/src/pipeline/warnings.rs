@@ -2,6 +2,7 @@
 
 use super::Reconstruction;
 use crate::export::Status;
+use crate::scan::VesselShape;
 use crate::text::{count, some_of};
 
 /// Every warning of a reconstruction, those of the scan first.
@@ -82,13 +83,14 @@ fn thickness(reconstruction: &Reconstruction) -> Option<String> {
     })
 }
 
-/// A shape that `auto` chose by a hair.
+/// A shape that `auto` chose by a hair. A free form can be anything, so it is never far from a simple shape
+/// that is right.
 fn shape(reconstruction: &Reconstruction) -> Option<String> {
     const SETTLED: f64 = 10.0;
     let choice = reconstruction
         .vessel
         .choice
-        .filter(|choice| choice.margin < SETTLED)?;
+        .filter(|choice| choice.margin < SETTLED && choice.runner_up != VesselShape::Freeform)?;
     Some(
         format!(
             "the vessel points support a {:?} hardly better than a {:?}; give vessel.shape if you know it",

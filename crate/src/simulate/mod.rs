@@ -11,8 +11,8 @@ mod shapes;
 mod truth;
 
 pub use scene::{
-    Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Vessel,
+    Ambient, BeamProfile, Brightness, PictureNoise, Relief, Scene, SceneError, SceneFarWall,
+    SceneMedia, SceneObject, Sweep, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -37,12 +37,15 @@ pub struct Simulation {
 }
 
 /// Where the laser's light lands in a view.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Landing {
-    outer: Option<Point<World>>,
-    inner: Option<Point<World>>,
+    /// On the wall's faces, from the rig inwards: outer, inner, and those of a far wall.
+    faces: Vec<Point<World>>,
     object: Option<Point<World>>,
 }
+
+/// Which vertex of a path lies on the front wall's inner face.
+const INNER: usize = 2;
 
 impl Simulation {
     /// Checks a scene and lays out its stations.
@@ -55,6 +58,7 @@ impl Simulation {
             wall: scene.media.wall,
             liquid: scene.media.inside,
         };
+        wall.stack(&media, InsideMedium::Liquid)?;
         let poses = scene.stations()?;
         manifest.views = poses
             .iter()
@@ -87,6 +91,11 @@ impl Simulation {
         &self.scan.manifest
     }
 
+    /// The true wall.
+    pub const fn wall(&self) -> &Wall {
+        &self.wall
+    }
+
     /// How many views there are.
     pub fn views(&self) -> usize {
         self.scan.stations.len()
@@ -114,9 +123,14 @@ impl Simulation {
         let station = &self.scan.stations[view];
         let beam = station.world_from_camera.ray(&self.scan.rig.beam);
         match self.through(InsideMedium::Liquid).path(&beam) {
-            Ok(path) => self.scene.medium_at(path.last.origin),
+            Ok(path) => self.scene.medium_at(path.vertices[INNER]),
             Err(_) => InsideMedium::Liquid,
         }
+    }
+
+    /// How many faces light crosses on its way to the objects.
+    const fn faces(&self) -> usize {
+        if self.wall.far.is_some() { 4 } else { 2 }
     }
 
     fn stack(&self, view: usize) -> Stack {
@@ -139,8 +153,7 @@ impl Simulation {
         };
         let nearest = shapes::nearest(&self.solids, &path.last);
         Landing {
-            outer: path.vertices.get(1).copied(),
-            inner: path.vertices.get(2).copied(),
+            faces: path.vertices[1..].to_vec(),
             object: nearest.map(|hit| hit.point),
         }
     }
@@ -155,7 +168,9 @@ impl Simulation {
         let eye = world_from_camera.point(Point::origin());
         let aim = aim_through(&stack, eye, point).ok()?;
         let arriving = stack.trace(&Ray::new(eye, aim)).ok()?;
-        let hit = shapes::nearest(&self.solids, &arriving);
+        // All solids stand behind the last face.
+        let behind_all = faces == self.faces();
+        let hit = shapes::nearest(&self.solids, &arriving).filter(|_| behind_all);
         let way = arriving.origin.distance(point);
         if hit.is_some_and(|hit| hit.distance < way - SAME_PLACE) {
             return None;
@@ -172,14 +187,20 @@ impl Simulation {
         let brightness = &self.scene.brightness;
         for (ray, share) in self.scene.beam.rays(&self.scan.rig.beam) {
             let landing = self.landing(view, &ray);
-            let spots = [
-                (landing.outer, 0, brightness.outer_face),
-                (landing.inner, 1, brightness.inner_face),
-                (landing.object, 2, brightness.object),
+            let glows = [
+                brightness.outer_face,
+                brightness.inner_face,
+                brightness.far_face,
+                brightness.far_face,
             ];
-            for (point, faces, light) in spots {
-                let pixel = point.and_then(|point| self.seen(view, point, faces));
-                if let Some(pixel) = pixel {
+            // A glow on a face is seen through the faces before it.
+            let on_faces = landing.faces.iter().zip(glows).enumerate();
+            let on_faces = on_faces.map(|(face, (point, light))| (*point, face, light));
+            let on_object = landing
+                .object
+                .map(|point| (point, self.faces(), brightness.object));
+            for (point, faces, light) in on_faces.chain(on_object) {
+                if let Some(pixel) = self.seen(view, point, faces) {
                     exposure.add_spot(pixel, self.scene.beam.blur, share * light);
                 }
             }

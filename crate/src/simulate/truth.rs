@@ -61,11 +61,14 @@ fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
             && pixel.v <= f64::from(camera.height - 1);
         inside.then_some([pixel.u, pixel.v])
     };
-    let vessel_pixel = landing.outer.and_then(|point| pixel(point, 0));
-    let object_pixel = landing.object.and_then(|point| pixel(point, 2));
+    let outer = landing.faces.first().copied();
+    let vessel_pixel = outer.and_then(|point| pixel(point, 0));
+    let object_pixel = landing
+        .object
+        .and_then(|point| pixel(point, simulation.faces()));
     TruthView {
         id: simulation.manifest().views[view].id.clone(),
-        vessel: vessel_pixel.and(landing.outer).map(Point::to_array),
+        vessel: vessel_pixel.and(outer).map(Point::to_array),
         object: object_pixel.and(landing.object).map(Point::to_array),
         vessel_pixel,
         object_pixel,

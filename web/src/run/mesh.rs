@@ -1,8 +1,7 @@
-//! A free-form wall as a mesh: places where rays across its reference plane meet it.
+//! A free-form wall as a mesh.
 
 use serde::{Deserialize, Serialize};
-use snellius::geometry::Ray;
-use snellius::optics::{Freeform, Surface};
+use snellius::optics::Freeform;
 
 use super::report::Place;
 
@@ -21,7 +20,6 @@ pub(crate) struct Mesh {
 impl Mesh {
     pub(super) fn of(freeform: &Freeform, thickness: f64) -> Self {
         const CELLS: usize = 32;
-        let probe = Probe::new(freeform, thickness);
         let steps = |axis: usize| {
             let values = freeform.sheet().patch.iter().map(|corner| corner[axis]);
             let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
@@ -31,15 +29,19 @@ impl Mesh {
         };
         Self {
             rows: steps(1)
-                .map(|y| steps(0).map(|x| probe.at(x, y)).collect())
+                .map(|y| {
+                    steps(0)
+                        .map(|x| through(freeform, thickness, [x, y]))
+                        .collect()
+                })
                 .collect(),
-            rim: rim(freeform, &probe),
+            rim: rim(freeform, thickness),
         }
     }
 }
 
-/// The patch's edges, a hair within it, so that rays still meet the wall there.
-fn rim(freeform: &Freeform, probe: &Probe) -> Vec<Through> {
+/// The patch's edges, a hair within it, so that rounding does not put them beyond it.
+fn rim(freeform: &Freeform, thickness: f64) -> Vec<Through> {
     const WITHIN: f64 = 0.999;
     const PIECES: usize = 12;
     let corners = &freeform.sheet().patch;
@@ -52,37 +54,16 @@ fn rim(freeform: &Freeform, probe: &Probe) -> Vec<Through> {
     });
     let pulled =
         places.map(|p| [0, 1].map(|axis| centre[axis] + (p[axis] - centre[axis]) * WITHIN));
-    let mut rim: Vec<Through> = pulled.filter_map(|[x, y]| probe.at(x, y)).collect();
+    let mut rim: Vec<Through> = pulled
+        .filter_map(|place| through(freeform, thickness, place))
+        .collect();
     rim.extend(rim.first().copied());
     rim
 }
 
-/// Rays across the reference plane.
-struct Probe<'a> {
-    freeform: &'a Freeform,
-    face: Surface,
-    thickness: f64,
-    /// In front of every height, mm.
-    reach: f64,
-}
-
-impl<'a> Probe<'a> {
-    fn new(freeform: &'a Freeform, thickness: f64) -> Self {
-        let heights = freeform.sheet().heights.iter();
-        Self {
-            freeform,
-            face: Surface::Freeform(freeform.clone()),
-            thickness,
-            reach: heights.fold(0.0, |most, height| height.abs().max(most)) + 1.0,
-        }
-    }
-
-    fn at(&self, x: f64, y: f64) -> Option<Through> {
-        let reference = &self.freeform.sheet().reference;
-        let (u, v) = reference.normal.tangents();
-        let start = reference.point + (u * x + v * y + reference.normal * self.reach);
-        let hit = self.face.hit(&Ray::new(start, -reference.normal))?;
-        let behind = hit.point + hit.normal * -self.thickness;
-        Some([hit.point.to_array(), behind.to_array()])
-    }
+/// The wall at a place of its base; none where it was not measured.
+fn through(freeform: &Freeform, thickness: f64, place: [f64; 2]) -> Option<Through> {
+    let (outer, normal) = freeform.at(place.into())?;
+    let inner = outer + normal * -thickness;
+    Some([outer.to_array(), inner.to_array()])
 }
