@@ -26,6 +26,7 @@ pub mod scan;
 #[cfg(feature = "simulate")]
 pub mod simulate;
 pub mod spots;
+pub mod table;
 mod text;
 pub mod vessel;
 

@@ -45,13 +45,13 @@ fn recovered(sample: &str) -> Recovered {
     for (view, truth) in result.views.iter().zip(&truth.views) {
         let Some(there) = truth.object else {
             assert!(
-                view.object.is_none(),
+                view.object.first().is_none(),
                 "{sample}: a point where there is none"
             );
             continue;
         };
         wanted += 1;
-        let (Some(here), Some(sigma)) = (view.object, view.object_sigma) else {
+        let (Some(here), Some(sigma)) = (view.object.first(), view.object_sigma.first()) else {
             continue;
         };
         found += 1;

@@ -1,6 +1,6 @@
 //! Colours that carry a value: a viridis map for quantities, colour-blind-safe hues for sweeps.
 
-use crate::run::{Facts, Outcome};
+use crate::run::{Facts, Outcome, ViewOutcome};
 use crate::state::ColourBy;
 
 /// What the colours of a result mean.
@@ -25,12 +25,9 @@ impl Scale {
             ColourBy::RayDistance => ("Ray distance", "mm"),
             ColourBy::Depth => ("Depth behind the wall", "mm"),
         };
-        let values = outcome.views.iter().filter_map(|view| match by {
-            ColourBy::Depth => view.depth,
-            _ => view.result.ray_distance,
-        });
+        let values = outcome.views.iter().flat_map(|view| values(view, by));
         let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
-            (low.min(value), high.max(value))
+            (low.min(*value), high.max(*value))
         });
         let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
         Self::Quantity {
@@ -41,26 +38,29 @@ impl Scale {
         }
     }
 
-    /// The colour of a view, if it has the value.
+    /// The colour of a view's point, if it has the value.
     pub(crate) fn colour(
         &self,
         facts: &Facts,
         outcome: &Outcome,
         by: ColourBy,
-        view: usize,
+        (view, point): (usize, usize),
     ) -> Option<[u8; 3]> {
-        let measured = &outcome.views[view];
-        match (self, by) {
-            (Self::Quantity { low, high, .. }, ColourBy::Depth) => {
-                Some(viridis(fraction(measured.depth?, *low, *high)))
+        match self {
+            Self::Quantity { low, high, .. } => {
+                let value = values(&outcome.views[view], by).get(point)?;
+                Some(viridis(fraction(*value, *low, *high)))
             }
-            (Self::Quantity { low, high, .. }, _) => Some(viridis(fraction(
-                measured.result.ray_distance?,
-                *low,
-                *high,
-            ))),
-            (Self::Sweeps(_), _) => Some(hue(facts.stations[view].sweep)),
+            Self::Sweeps(_) => Some(hue(facts.stations[view].sweep)),
         }
+    }
+}
+
+/// What a view's points are coloured by.
+fn values(view: &ViewOutcome, by: ColourBy) -> &[f64] {
+    match by {
+        ColourBy::Depth => &view.depth,
+        _ => view.result.ray_distance.as_slice(),
     }
 }
 

@@ -188,7 +188,7 @@ impl Workbench {
     fn choose_first(self) {
         let view = self.outcome.with_untracked(|outcome| {
             let views = &outcome.as_ref()?.views;
-            let good = |view: &usize| views[*view].result.object.is_some();
+            let good = |view: &usize| views[*view].result.object.first().is_some();
             let middle = views.len() / 2;
             (middle..views.len())
                 .find(good)

@@ -144,7 +144,7 @@ fn row(
         Some(chosen) => chosen == view,
         None => first == Some(view),
     };
-    let object = |axis: usize| result.object.map(|place| fixed(place[axis], 2));
+    let object = |axis: usize| coordinate(measured, axis).map(|value| fixed(value, 2));
     let cell = |text: Option<String>| view! { <td class="number">{text}</td> };
     let (word, class) = status(result.status);
     view! {
@@ -165,7 +165,7 @@ fn row(
             </td>
             {[0, 1, 2].map(|axis| cell(object(axis))).collect_view()}
             {cell(sigma(measured).map(|sigma| fixed(sigma, 3)))}
-            {cell(result.ray_distance.map(|distance| fixed(distance, 3)))}
+            {cell(ray_distance(measured).map(|distance| fixed(distance, 3)))}
         </tr>
     }
 }
@@ -179,9 +179,20 @@ const fn status(status: Status) -> (&'static str, &'static str) {
     }
 }
 
+/// A coordinate of the view's point; of a line's the middle one.
+fn coordinate(view: &ViewOutcome, axis: usize) -> Option<f64> {
+    let place = view.result.object.as_slice().get(view.middle())?;
+    Some(place[axis])
+}
+
+fn ray_distance(view: &ViewOutcome) -> Option<f64> {
+    let distances = view.result.ray_distance.as_slice();
+    distances.get(view.middle()).copied()
+}
+
 /// The length of the three standard deviations together.
 fn sigma(view: &ViewOutcome) -> Option<f64> {
-    let sigma = view.result.object_sigma?;
+    let sigma = view.result.object_sigma.as_slice().get(view.middle())?;
     Some(sigma.iter().map(|s| s * s).sum::<f64>().sqrt())
 }
 
@@ -201,11 +212,11 @@ fn sorted(facts: &Facts, outcome: &Outcome, order: Order) -> Vec<usize> {
             Column::View => turned(a.cmp(b)),
             Column::Sweep => turned(facts.stations[*a].sweep.cmp(&facts.stations[*b].sweep)),
             Column::Status => turned(status(one.result.status).cmp(&status(other.result.status))),
-            Column::Object(0) => by(|view| Some(view.result.object?[0])),
-            Column::Object(1) => by(|view| Some(view.result.object?[1])),
-            Column::Object(_) => by(|view| Some(view.result.object?[2])),
+            Column::Object(0) => by(|view| coordinate(view, 0)),
+            Column::Object(1) => by(|view| coordinate(view, 1)),
+            Column::Object(_) => by(|view| coordinate(view, 2)),
             Column::Sigma => by(sigma),
-            Column::RayDistance => by(|view| view.result.ray_distance),
+            Column::RayDistance => by(ray_distance),
         }
     };
     rows.sort_by(compare);

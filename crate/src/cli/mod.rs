@@ -7,6 +7,7 @@ mod check;
 mod reconstruct;
 mod schema;
 mod simulate;
+mod table;
 mod views;
 
 use std::io::{self, Write};
@@ -33,6 +34,8 @@ enum Command {
     Reconstruct(reconstruct::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
+    /// Works out the table of a rig that never moves against its window
+    Table(table::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
     Simulate(simulate::Arguments),
     /// Prints the JSON Schemas of scan.json and result.json
@@ -85,6 +88,7 @@ pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Table(arguments) => table::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
     };

@@ -1,9 +1,10 @@
 use std::fs;
 use std::path::PathBuf;
 
-use super::{Failure, views};
-use crate::export::{ReconstructionResult, object_ply, points_csv, vessel_ply};
-use crate::pipeline::{Reconstruction, Settings, reconstruct};
+use super::{Failure, table, views};
+use crate::export::{ReconstructionResult, Status, object_ply, points_csv, vessel_ply};
+use crate::pipeline::{Settings, reconstruct};
+use crate::table::measure;
 
 /// Arguments of `snellius reconstruct`.
 #[derive(Debug, clap::Args)]
@@ -17,6 +18,9 @@ pub(super) struct Arguments {
     /// The liquid's refractive index, in place of the scan's
     #[arg(long, value_name = "N")]
     index: Option<f64>,
+    /// Measure with the table of a rig that never moves against its window, and trace no ray
+    #[arg(long, value_name = "TABLE.json", conflicts_with = "index")]
+    table: Option<PathBuf>,
     /// How many threads read pictures; 0 is one per core
     #[arg(long, default_value_t = 0, value_name = "N")]
     jobs: usize,
@@ -31,6 +35,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let archive = views::open(path)?;
     let scan = archive.scan();
     let spots = views::spots(path, scan, &settings, arguments.jobs)?;
+    if let Some(table) = &arguments.table {
+        let measured = measure(&table::read(table)?, scan, &spots, &settings.object);
+        let result = measured.map_err(|e| Failure::file(path, e))?;
+        write(arguments, &result)?;
+        summarise(&result);
+        return Ok(());
+    }
     let reconstruction =
         reconstruct(scan, &spots, &settings).map_err(|error| Failure::Pipeline {
             path: path.clone(),
@@ -38,7 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         })?;
     let result = reconstruction.result();
     write(arguments, &result)?;
-    summarise(&reconstruction, &result);
+    summarise(&result);
     Ok(())
 }
 
@@ -59,22 +70,30 @@ fn write(arguments: &Arguments, result: &ReconstructionResult) -> Result<(), Fai
 }
 
 #[expect(clippy::print_stderr, reason = "the summary is for a person")]
-fn summarise(reconstruction: &Reconstruction, result: &ReconstructionResult) {
-    let summary = reconstruction.summary();
+fn summarise(result: &ReconstructionResult) {
     eprintln!("{}", result.scan);
+    let used = result.views.iter().filter(|view| view.status == Status::Ok);
     eprintln!(
         "  views         {} of {} have an object point",
-        summary.used,
+        used.count(),
         result.views.len()
     );
     eprintln!(
         "  vessel        {} points, RMS {:.3} mm",
         result.vessel.points, result.vessel.rms
     );
-    if let Some(mean) = summary.mean_ray_distance {
+    let distances = result
+        .views
+        .iter()
+        .flat_map(|view| view.ray_distance.iter());
+    let count = distances.clone().count();
+    if count > 0 {
+        let mean = distances.sum::<f64>() / count as f64;
         eprintln!("  ray distance  {mean:.3} mm on average");
     }
-    eprintln!("  index inside  {}", reconstruction.media.liquid);
+    if let Some(index) = result.media.inside.value {
+        eprintln!("  index inside  {index}");
+    }
     for warning in &result.warnings {
         eprintln!("  warning: {warning}");
     }

@@ -7,7 +7,7 @@ mod result;
 pub use csv::points_csv;
 pub use ply::{object_ply, vessel_ply};
 pub use result::{
-    BaseResult, GlowResult, IndexMethod, InsideResult, MediaResult, ReconstructionFormat,
-    ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult,
-    ViewResult, WallResult,
+    BaseResult, GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany,
+    ReconstructionFormat, ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
+    Verdict, VesselResult, ViewResult, WallResult,
 };

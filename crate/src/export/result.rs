@@ -72,6 +72,39 @@ pub enum SpotRole {
     Stray,
 }
 
+/// What a view gave: of a spot laser one value or none (`null`), of a line laser a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum OneOrMany<T> {
+    /// Of a spot laser.
+    One(Option<T>),
+    /// Of a line laser.
+    Many(Vec<T>),
+}
+
+impl<T> OneOrMany<T> {
+    /// All of them, however many there are.
+    pub fn as_slice(&self) -> &[T] {
+        match self {
+            Self::One(one) => one.as_slice(),
+            Self::Many(many) => many,
+        }
+    }
+
+    /// All of them in their order.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.as_slice().iter()
+    }
+}
+
+impl<T: Copy> OneOrMany<T> {
+    /// The first, which is the only one of a spot laser.
+    pub fn first(&self) -> Option<T> {
+        self.as_slice().first().copied()
+    }
+}
+
 /// The wall's outer face, in the world frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -237,15 +270,15 @@ result! {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
         /// The point on the wall's outer face, world frame, mm.
-        pub vessel: Option<[f64; 3]>,
+        pub vessel: OneOrMany<[f64; 3]>,
         /// The point on the object, world frame, mm.
-        pub object: Option<[f64; 3]>,
+        pub object: OneOrMany<[f64; 3]>,
         /// One standard deviation along each axis, mm, from the pictures' noise and the wall's fit.
-        pub object_sigma: Option<[f64; 3]>,
+        pub object_sigma: OneOrMany<[f64; 3]>,
         /// What an error of calibration and of the index adds, common to all points, mm.
-        pub object_sigma_calibration: Option<[f64; 3]>,
+        pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
-        pub ray_distance: Option<f64>,
+        pub ray_distance: OneOrMany<f64>,
         /// The spots that were found.
         pub spots: Vec<SpotResult>,
     }

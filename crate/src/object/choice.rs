@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::grain;
 use super::uncertainty::{Noise, noise};
-use super::{Meeting, MeetingError, Setup, calibration_sigmas, meet};
+use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
 use crate::camera::Pixel;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
@@ -84,8 +84,8 @@ impl std::fmt::Display for Refusal {
 /// What became of a view's spots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// The object point, if one was found.
-    pub point: Option<ObjectPoint>,
+    /// The object points that were found: at most one for a beam.
+    pub points: Vec<ObjectPoint>,
     /// The spots that were refused, and why.
     pub refused: Vec<(usize, Refusal)>,
 }
@@ -124,12 +124,11 @@ fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {
         return;
     };
     for (view, choice) in choices.iter_mut().enumerate() {
-        let Some(point) = &mut choice.point else {
-            continue;
-        };
-        let spot = &spots[view].spots[point.spot];
-        if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
-            point.noise = noise;
+        for point in &mut choice.points {
+            let spot = &spots[view].spots[point.spot];
+            if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
+                point.noise = noise;
+            }
         }
     }
 }
@@ -148,12 +147,8 @@ fn candidates(
     spots: &Spots,
     settings: &ObjectSettings,
 ) -> Vec<Candidate> {
-    let taken = setup.vessel.points[view].as_ref().map(|p| p.spot);
-    let free = spots
-        .spots
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| Some(*i) != taken);
+    let taken = |spot: usize| setup.vessel.points[view].iter().any(|p| p.spot == spot);
+    let free = spots.spots.iter().enumerate().filter(|(i, _)| !taken(*i));
     free.map(|(index, spot)| Candidate {
         spot: index,
         pixel: spot.pixel(),
@@ -184,21 +179,22 @@ fn examine(
 /// The standard deviation of each view's ray distance that calibration explains. It is taken at one of
 /// the view's spots, as it hardly differs between them.
 fn expected_gaps(setup: &Setup, candidates: &[Vec<Candidate>]) -> Vec<f64> {
-    let usable = |list: &Vec<Candidate>| list.iter().find(|c| c.outcome.is_ok()).map(|c| c.pixel);
-    let measured: Vec<Option<Pixel>> = candidates.iter().map(usable).collect();
+    let usable = |list: &Vec<Candidate>| {
+        let first = list.iter().find(|c| c.outcome.is_ok());
+        first.map(|c| c.pixel).into_iter().collect()
+    };
+    let measured: Vec<Vec<Pixel>> = candidates.iter().map(usable).collect();
+    let gap = |sigmas: Vec<CommonSigma>| sigmas.first().map_or(0.0, |s| s.gap);
     let sigmas = calibration_sigmas(setup, &measured);
-    sigmas
-        .into_iter()
-        .map(|s| s.map_or(0.0, |s| s.gap))
-        .collect()
+    sigmas.into_iter().map(gap).collect()
 }
 
 /// The spread of the ray distances about zero that the views themselves show, as a standard deviation;
 /// `None` for too few views to tell.
 fn observed_gap(choices: &[Choice]) -> Option<f64> {
     const LEAST_VIEWS: usize = 8;
-    let gap = |c: &Choice| c.point.as_ref().map(|p| p.meeting.gap());
-    let gaps: Vec<f64> = choices.iter().filter_map(gap).collect();
+    let points = choices.iter().flat_map(|c| &c.points);
+    let gaps: Vec<f64> = points.map(|p| p.meeting.gap()).collect();
     (gaps.len() >= LEAST_VIEWS).then(|| robust_scale(&gaps))
 }
 
@@ -215,9 +211,9 @@ fn choose(candidates: &[Candidate], common: f64, settings: &ObjectSettings) -> C
     }
     fitting.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut fitting = fitting.into_iter().map(|(_, point)| point);
-    let point = fitting.next();
+    let points = fitting.next().into_iter().collect();
     refused.extend(fitting.map(|p| (p.spot, Refusal::Outdone)));
-    Choice { point, refused }
+    Choice { points, refused }
 }
 
 /// How likely a candidate is the object's spot (up to a constant, as a logarithm).

@@ -2,12 +2,13 @@
 //! standard deviations, and which of several spots is real (section II-D of the paper).
 
 mod choice;
+mod fan;
 mod grain;
 mod meeting;
 mod uncertainty;
 
 pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object};
-pub use meeting::{Meeting, MeetingError, line_of_sight, meet, meet_unrefracted};
+pub use meeting::{Meeting, MeetingError, laser_ray, line_of_sight, meet, meet_unrefracted};
 pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, noise};
 
 use crate::optics::Media;

@@ -2,7 +2,7 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{Meeting, MeetingError, Setup, line_of_sight, meet};
+use super::{Meeting, MeetingError, Setup, laser_ray, line_of_sight, meet};
 use crate::camera::Pixel;
 use crate::geometry::{Point, World};
 use crate::optics::{Media, Path, Stack};
@@ -113,7 +113,7 @@ pub fn noise(
     })
 }
 
-/// Where the beam and the line of sight of a pixel cross the wall's faces.
+/// Where the laser's light and the line of sight of a pixel cross the wall's faces.
 fn crossings(
     setup: &Setup,
     station: &Station,
@@ -122,7 +122,7 @@ fn crossings(
 ) -> Result<Vec<Point<World>>, MeetingError> {
     let pose = &station.world_from_camera;
     let beam = stack
-        .path(&pose.ray(&setup.rig.beam))
+        .path(&laser_ray(setup.rig, pose, stack, pixel)?)
         .map_err(MeetingError::Beam)?;
     let sight = stack
         .path(&line_of_sight(setup.rig, pose, pixel)?)
@@ -163,12 +163,12 @@ impl CommonSigma {
     }
 }
 
-/// What an error of calibration would do to each view's point, given the pixel of its spot.
+/// What an error of calibration would do to the points of each view, given the pixels of their spots.
 ///
 /// Each calibrated number is moved by a small part of its sigma, and everything that follows is done
 /// again with the same spots: vessel points, the wall's fit, the light paths. So what an error does to
-/// the wall is in it.
-pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option<CommonSigma>> {
+/// the wall is in it. A spot whose light paths do not meet counts as unmoved.
+pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<CommonSigma>> {
     const PART: f64 = 1e-3;
     let base = all_meetings(
         setup.rig,
@@ -181,7 +181,7 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
         point: Vector3::zeros(),
         gap: 0.0,
     };
-    let mut sums: Vec<Option<CommonSigma>> = base.iter().map(|m| m.map(|_| none)).collect();
+    let mut sums: Vec<Vec<CommonSigma>> = pixels.iter().map(|p| vec![none; p.len()]).collect();
     for number in Calibration::ALL {
         let one = number.sigma(setup.calibration_sigma);
         let off = number.nudge(setup.rig, one * PART);
@@ -189,9 +189,10 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
             continue;
         };
         let moved = all_meetings(&off, &wall, &setup.media, setup.stations, pixels);
-        for ((sum, before), after) in sums.iter_mut().zip(&base).zip(&moved) {
-            if let (Some(total), Some(before), Some(after)) = (sum.as_mut(), before, after) {
-                *total = total.and(&change(before, after, 1.0 / PART));
+        let meetings = base.iter().flatten().zip(moved.iter().flatten());
+        for (sum, meetings) in sums.iter_mut().flatten().zip(meetings) {
+            if let (Some(before), Some(after)) = meetings {
+                *sum = sum.and(&change(before, after, 1.0 / PART));
             }
         }
     }
@@ -210,22 +211,18 @@ fn all_meetings(
     wall: &Wall,
     media: &Media,
     stations: &[Station],
-    pixels: &[Option<Pixel>],
-) -> Vec<Option<Meeting>> {
+    pixels: &[Vec<Pixel>],
+) -> Vec<Vec<Option<Meeting>>> {
     let liquid = wall.stack(media, InsideMedium::Liquid);
     let air = wall.stack(media, InsideMedium::Air);
-    let one = |(station, pixel): (&Station, &Option<Pixel>)| {
+    let of_view = |(station, pixels): (&Station, &Vec<Pixel>)| {
         let stack = match station.inside {
-            InsideMedium::Liquid => liquid.as_ref().ok()?,
-            InsideMedium::Air => air.as_ref().ok()?,
+            InsideMedium::Liquid => liquid.as_ref().ok(),
+            InsideMedium::Air => air.as_ref().ok(),
         };
-        meet(
-            rig,
-            &rig.station(&station.world_from_flange),
-            stack,
-            (*pixel)?,
-        )
-        .ok()
+        let pose = rig.station(&station.world_from_flange);
+        let one = |pixel: &Pixel| meet(rig, &pose, stack?, *pixel).ok();
+        pixels.iter().map(one).collect()
     };
-    stations.iter().zip(pixels).map(one).collect()
+    stations.iter().zip(pixels).map(of_view).collect()
 }

@@ -27,12 +27,13 @@ use std::io::{Read, Seek};
 
 use serde::{Deserialize, Serialize};
 
+use crate::camera::Pixel;
 use crate::geometry::{Point, World};
 use crate::object::{
     Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, meet_unrefracted,
 };
 use crate::optics::Media;
-use crate::scan::{Archive, InsideMedium, Scan, ScanError};
+use crate::scan::{Archive, InsideMedium, Scan, ScanError, Station};
 use crate::spots::{SpotSettings, Spots, find_spots};
 use crate::vessel::{VesselError, VesselFit, VesselSettings, find_vessel};
 
@@ -90,12 +91,25 @@ pub struct Reconstruction<'a> {
     pub vessel: VesselFit,
     /// The media that were used.
     pub media: Media,
-    /// Each view's object point.
+    /// Each view's object points.
     pub object: Vec<Choice>,
-    /// What an error of calibration and index would do to each.
-    pub common_sigmas: Vec<Option<CommonSigma>>,
-    /// Where each object point would come to lie if refraction were ignored (Fig. 11 b).
-    pub unrefracted: Vec<Option<Point<World>>>,
+    /// What an error of calibration and index would do to each of them.
+    pub common_sigmas: Vec<Vec<CommonSigma>>,
+    /// Where each of them would come to lie if refraction were ignored (Fig. 11 b).
+    pub unrefracted: Vec<Vec<Option<Point<World>>>>,
+}
+
+impl Reconstruction<'_> {
+    /// What stood between the spots and the object's points.
+    pub fn setup(&self) -> Setup<'_> {
+        Setup {
+            rig: &self.scan.rig,
+            calibration_sigma: &self.scan.calibration_sigma,
+            stations: &self.scan.stations,
+            vessel: &self.vessel,
+            media: self.media,
+        }
+    }
 }
 
 /// Reads a view's pictures and finds its spots.
@@ -158,22 +172,26 @@ fn media(scan: &Scan, settings: &Settings) -> Result<Media, PipelineError> {
 }
 
 /// The liquid's index is given, so what calibration does is all there is, until an index has a sigma.
-fn common_sigmas(setup: &Setup, spots: &[Spots], object: &[Choice]) -> Vec<Option<CommonSigma>> {
-    let pixels: Vec<_> = object
-        .iter()
-        .zip(spots)
-        .map(|(choice, view)| Some(view.spots[choice.point.as_ref()?.spot].pixel()))
-        .collect();
+fn common_sigmas(setup: &Setup, spots: &[Spots], object: &[Choice]) -> Vec<Vec<CommonSigma>> {
+    let views = object.iter().zip(spots);
+    let pixels: Vec<_> = views.map(|(choice, view)| pixels(choice, view)).collect();
     calibration_sigmas(setup, &pixels)
 }
 
-fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Option<Point<World>>> {
+fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Vec<Option<Point<World>>>> {
     let views = object.iter().zip(spots).zip(&scan.stations);
-    views
-        .map(|((choice, view), station)| {
-            let pixel = view.spots[choice.point.as_ref()?.spot].pixel();
-            let meeting = meet_unrefracted(&scan.rig, &station.world_from_camera, pixel);
-            meeting.ok().map(|m| m.point())
-        })
-        .collect()
+    let of_view = |((choice, view), station): ((&Choice, &Spots), &Station)| {
+        let straight = |pixel| meet_unrefracted(&scan.rig, &station.world_from_camera, pixel);
+        let points = pixels(choice, view).into_iter();
+        points
+            .map(|pixel| straight(pixel).ok().map(|m| m.point()))
+            .collect()
+    };
+    views.map(of_view).collect()
+}
+
+/// Where the object points of a view are seen.
+fn pixels(choice: &Choice, spots: &Spots) -> Vec<Pixel> {
+    let points = choice.points.iter();
+    points.map(|p| spots.spots[p.spot].pixel()).collect()
 }

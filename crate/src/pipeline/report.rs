@@ -2,12 +2,13 @@
 
 use super::{Reconstruction, warnings};
 use crate::export::{
-    BaseResult, GlowResult, IndexMethod, InsideResult, MediaResult, ReconstructionFormat,
-    ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult,
-    ViewResult, WallResult,
+    BaseResult, GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany,
+    ReconstructionFormat, ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
+    Verdict, VesselResult, ViewResult, WallResult,
 };
-use crate::object::Choice;
+use crate::object::{Choice, ObjectPoint};
 use crate::optics::{BaseShape, Freeform, Surface};
+use crate::rig::Laser;
 use crate::scan::LengthUnit;
 
 impl Reconstruction<'_> {
@@ -74,45 +75,57 @@ impl Reconstruction<'_> {
 
     fn view_result(&self, view: usize) -> ViewResult {
         let choice = &self.object[view];
-        let point = choice.point.as_ref();
         let status = self.status(view);
+        let points =
+            |value: fn(&ObjectPoint) -> [f64; 3]| self.of_laser(choice.points.iter().map(value));
         ViewResult {
             id: self.scan.manifest.views[view].id.clone(),
             status,
             reason: reason(status, choice),
-            vessel: self.vessel.points[view]
-                .as_ref()
-                .map(|p| p.point.to_array()),
-            object: point.map(|p| p.meeting.point().to_array()),
-            object_sigma: point.map(|p| p.noise.sigma().into()),
-            object_sigma_calibration: self.common_sigmas[view].map(|s| s.point.into()),
-            ray_distance: point.map(|p| p.meeting.gap().abs()),
+            vessel: self.of_laser(self.vessel.points[view].iter().map(|p| p.point.to_array())),
+            object: points(|p| p.meeting.point().to_array()),
+            object_sigma: points(|p| p.noise.sigma().into()),
+            object_sigma_calibration: self
+                .of_laser(self.common_sigmas[view].iter().map(|s| s.point.into())),
+            ray_distance: self.of_laser(choice.points.iter().map(|p| p.meeting.gap().abs())),
             spots: self.spot_results(view),
+        }
+    }
+
+    /// What a view gave, as its laser has it: one or none from a beam, a list from a sheet.
+    fn of_laser<T>(&self, mut values: impl Iterator<Item = T>) -> OneOrMany<T> {
+        match self.scan.rig.laser {
+            Laser::Beam(_) => OneOrMany::One(values.next()),
+            Laser::Sheet(_) => OneOrMany::Many(values.collect()),
         }
     }
 
     /// What became of a view.
     pub(super) fn status(&self, view: usize) -> Status {
         let choice = &self.object[view];
-        match (&choice.point, &self.vessel.points[view]) {
-            (Some(_), _) => Status::Ok,
-            (None, None) => Status::NoVesselSpot,
-            (None, Some(_)) if choice.refused.is_empty() => Status::NoObjectSpot,
-            (None, Some(_)) => Status::Rejected,
+        let has_vessel = !self.vessel.points[view].is_empty();
+        if !choice.points.is_empty() {
+            Status::Ok
+        } else if !has_vessel {
+            Status::NoVesselSpot
+        } else if choice.refused.is_empty() {
+            Status::NoObjectSpot
+        } else {
+            Status::Rejected
         }
     }
 
     fn spot_results(&self, view: usize) -> Vec<SpotResult> {
         let choice = &self.object[view];
-        let vessel = self.vessel.points[view].as_ref().map(|p| p.spot);
-        let object = choice.point.as_ref().map(|p| p.spot);
+        let on_vessel = |spot: usize| self.vessel.points[view].iter().any(|p| p.spot == spot);
+        let on_object = |spot: usize| choice.points.iter().any(|p| p.spot == spot);
         let spots = self.spots[view].spots.iter().enumerate();
         spots
             .map(|(index, spot)| SpotResult {
                 pixel: [spot.u, spot.v],
-                role: match Some(index) {
-                    i if i == vessel => SpotRole::Vessel,
-                    i if i == object => SpotRole::Object,
+                role: match index {
+                    i if on_vessel(i) => SpotRole::Vessel,
+                    i if on_object(i) => SpotRole::Object,
                     _ => SpotRole::Stray,
                 },
                 reason: choice

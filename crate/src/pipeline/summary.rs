@@ -16,15 +16,12 @@ pub struct Summary {
 impl Reconstruction<'_> {
     /// The reconstruction in a few numbers.
     pub fn summary(&self) -> Summary {
-        let points = self
-            .object
-            .iter()
-            .filter_map(|choice| choice.point.as_ref());
+        let points = self.object.iter().flat_map(|choice| &choice.points);
         let distances: Vec<f64> = points.map(|p| p.meeting.gap().abs()).collect();
-        let used = distances.len();
+        let mean = || distances.iter().sum::<f64>() / distances.len() as f64;
         Summary {
-            used,
-            mean_ray_distance: (used > 0).then(|| distances.iter().sum::<f64>() / used as f64),
+            used: self.object.iter().filter(|c| !c.points.is_empty()).count(),
+            mean_ray_distance: (!distances.is_empty()).then(mean),
             median_off_line: self.vessel.median_off_line(),
         }
     }

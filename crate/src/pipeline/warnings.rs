@@ -40,12 +40,9 @@ fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
 fn saturated(reconstruction: &Reconstruction) -> Option<String> {
     let spots = reconstruction.spots.iter().enumerate();
     let used = spots.flat_map(|(view, spots)| {
-        let vessel = reconstruction.vessel.points[view].as_ref().map(|p| p.spot);
-        let object = reconstruction.object[view].point.as_ref().map(|p| p.spot);
-        [vessel, object]
-            .into_iter()
-            .flatten()
-            .map(|spot| &spots.spots[spot])
+        let vessel = reconstruction.vessel.points[view].iter().map(|p| p.spot);
+        let object = reconstruction.object[view].points.iter().map(|p| p.spot);
+        vessel.chain(object).map(|spot| &spots.spots[spot])
     });
     let saturated = used.filter(|spot| spot.saturated).count();
     (saturated > 0).then(|| {

@@ -83,6 +83,26 @@ pub enum InsideMedium {
     Air,
 }
 
+/// What moves from view to view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Motion {
+    /// The manipulator carries the rig around the vessel: every view has `world_from_flange`.
+    #[default]
+    Rig,
+    /// A turntable or a stage moves the vessel before the rig: every view has `flange_from_world`, and
+    /// the world is the frame that moves with the vessel.
+    Vessel,
+}
+
+impl Motion {
+    /// Whether it is the one that goes without saying.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// The kind of laser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -125,6 +145,9 @@ manifest! {
         pub name: String,
         /// `mm`.
         pub length_unit: LengthUnit,
+        /// What moves from view to view.
+        #[serde(default, skip_serializing_if = "Motion::is_default")]
+        pub motion: Motion,
         /// The lens.
         pub camera: CameraEntry,
         /// The laser, in the camera frame.
@@ -286,8 +309,12 @@ manifest! {
         /// The archive entry of the picture with the laser off.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub off: Option<String>,
-        /// The manipulator's pose.
-        pub world_from_flange: PoseEntry,
+        /// The manipulator's pose, where `motion` is `rig`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub world_from_flange: Option<PoseEntry>,
+        /// The vessel's pose in the frame of the rig's mount, where `motion` is `vessel`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub flange_from_world: Option<PoseEntry>,
         /// What the beam enters behind the wall.
         #[serde(default)]
         pub inside: InsideMedium,

@@ -14,8 +14,8 @@ pub use archive::{Archive, MANIFEST_NAME};
 pub use error::{Place, ScanError};
 pub use manifest::{
     CalibrationSigmaEntry, CameraEntry, CameraModel, Extra, FarWall, InsideMedium, KnownKind,
-    KnownShape, LaserEntry, LaserKind, LengthUnit, Manifest, MediaEntry, PoseEntry, ScanFormat,
-    VesselEntry, VesselShape, ViewEntry,
+    KnownShape, LaserEntry, LaserKind, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry,
+    ScanFormat, VesselEntry, VesselShape, ViewEntry,
 };
 pub use picture::{Limits, Picture, PicturePair};
 pub use sweeps::sweeps;

@@ -2,13 +2,13 @@
 
 use super::check::positive;
 use super::{
-    CalibrationSigmaEntry, Extra, InsideMedium, LaserKind, Limits, Manifest, Place, PoseEntry,
-    ScanError, known_wall,
+    CalibrationSigmaEntry, Extra, InsideMedium, LaserKind, Limits, Manifest, Motion, Place,
+    PoseEntry, ScanError, ViewEntry, known_wall,
 };
 use crate::camera::{Distortion, Intrinsics, Pixel};
 use crate::geometry::{Camera, Direction, Flange, Frame, Point, Pose, Ray, World};
 use crate::optics::Surface;
-use crate::rig::{CalibrationSigma, Rig};
+use crate::rig::{CalibrationSigma, Laser, Rig};
 
 /// A checked scan: the manifest, and what it means in the units and frames of the mathematics.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Scan {
 /// Where a view was taken from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
-    /// The manipulator's pose.
+    /// The manipulator's pose; where the vessel moves, the rig's mount as seen from the vessel.
     pub world_from_flange: Pose<World, Flange>,
     /// The camera's pose.
     pub world_from_camera: Pose<World, Camera>,
@@ -88,7 +88,7 @@ impl Scan {
         check_version(&manifest)?;
         let rig = Rig {
             camera: intrinsics(&manifest)?,
-            beam: beam(&manifest)?,
+            laser: Laser::Beam(beam(&manifest)?),
             flange_from_camera: pose(&manifest.flange_from_camera, "flange_from_camera")?,
         };
         check_media(&manifest)?;
@@ -305,10 +305,7 @@ fn stations(manifest: &Manifest, rig: &Rig) -> Result<Vec<Station>, ScanError> {
         if let Some(off) = &view.off {
             check_name(off, Place::view(index, "off"))?;
         }
-        let world_from_flange = pose(
-            &view.world_from_flange,
-            &format!("views[{index}].world_from_flange"),
-        )?;
+        let world_from_flange = world_from_flange(manifest.motion, view, index)?;
         stations.push(Station {
             world_from_flange,
             world_from_camera: rig.station(&world_from_flange),
@@ -316,6 +313,40 @@ fn stations(manifest: &Manifest, rig: &Rig) -> Result<Vec<Station>, ScanError> {
         });
     }
     Ok(stations)
+}
+
+/// Where the rig stands in the frame of the vessel, whichever of the two moves.
+fn world_from_flange(
+    motion: Motion,
+    view: &ViewEntry,
+    index: usize,
+) -> Result<Pose<World, Flange>, ScanError> {
+    let (key, entry, other_key, other) = match motion {
+        Motion::Rig => (
+            "world_from_flange",
+            &view.world_from_flange,
+            "flange_from_world",
+            &view.flange_from_world,
+        ),
+        Motion::Vessel => (
+            "flange_from_world",
+            &view.flange_from_world,
+            "world_from_flange",
+            &view.world_from_flange,
+        ),
+    };
+    if other.is_some() {
+        let problem = format!("\"motion\" says that the view's pose is given as {key}");
+        return Err(ScanError::value(Place::view(index, other_key), problem));
+    }
+    let place = format!("views[{index}].{key}");
+    let entry = entry.as_ref().ok_or_else(|| {
+        ScanError::value(Place::key(place.clone()), "missing; every view needs it")
+    })?;
+    match motion {
+        Motion::Rig => pose(entry, &place),
+        Motion::Vessel => pose::<Flange, World>(entry, &place).map(|pose| pose.inverse()),
+    }
 }
 
 /// An entry's name must stay within the archive.
@@ -357,8 +388,15 @@ fn warnings(manifest: &Manifest) -> Vec<String> {
     }
     for (index, view) in manifest.views.iter().enumerate() {
         unknown(&format!("views[{index}]."), &view.extra);
-        let pose = format!("views[{index}].world_from_flange.");
-        unknown(&pose, &view.world_from_flange.extra);
+        let poses = [
+            ("world_from_flange", &view.world_from_flange),
+            ("flange_from_world", &view.flange_from_world),
+        ];
+        for (key, pose) in poses {
+            if let Some(pose) = pose {
+                unknown(&format!("views[{index}].{key}."), &pose.extra);
+            }
+        }
     }
     let alone: Vec<&str> = manifest
         .views

@@ -12,7 +12,7 @@ mod truth;
 
 pub use scene::{
     Ambient, BeamProfile, Brightness, PictureNoise, Relief, Scene, SceneError, SceneFarWall,
-    SceneMedia, SceneObject, Sweep, Vessel,
+    SceneMedia, SceneObject, Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -20,9 +20,9 @@ pub use truth::{Truth, TruthView};
 use nalgebra::UnitQuaternion;
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Point, Pose, Ray, World};
+use crate::geometry::{Camera, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
-use crate::scan::{InsideMedium, Manifest, PicturePair, PoseEntry, Scan, ViewEntry};
+use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
 
@@ -121,7 +121,8 @@ impl Simulation {
     /// What the beam of a view enters: air if it meets the inner face above the liquid's level.
     fn medium(&self, view: usize) -> InsideMedium {
         let station = &self.scan.stations[view];
-        let beam = station.world_from_camera.ray(&self.scan.rig.beam);
+        let axis = self.scan.rig.laser.axis();
+        let beam = station.world_from_camera.ray(&axis);
         match self.through(InsideMedium::Liquid).path(&beam) {
             Ok(path) => self.scene.medium_at(path.vertices[INNER]),
             Err(_) => InsideMedium::Liquid,
@@ -185,7 +186,7 @@ impl Simulation {
     /// Adds the light of the three spots of a view.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.beam) {
+        for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
             let landing = self.landing(view, &ray);
             let glows = [
                 brightness.outer_face,
@@ -208,18 +209,12 @@ impl Simulation {
     }
 }
 
-/// A camera's pose as the manipulator would have to report it.
-fn flange_entry(
-    world_from_camera: &Pose<World, Camera>,
-    scene: &Scene,
-) -> Result<PoseEntry, SceneError> {
-    let flange_from_camera = scene.hand_eye()?;
-    let world_from_flange = *world_from_camera * flange_from_camera.inverse();
-    Ok(PoseEntry {
-        rotation: world_from_flange.quaternion(),
-        translation: world_from_flange.translation().into(),
+fn pose_entry<A: Frame, B: Frame>(pose: &Pose<A, B>) -> PoseEntry {
+    PoseEntry {
+        rotation: pose.quaternion(),
+        translation: pose.translation().into(),
         extra: Default::default(),
-    })
+    }
 }
 
 impl Scene {
@@ -228,11 +223,17 @@ impl Scene {
         index: usize,
         world_from_camera: &Pose<World, Camera>,
     ) -> Result<ViewEntry, SceneError> {
+        let world_from_flange = *world_from_camera * self.hand_eye()?.inverse();
+        let (of_rig, of_vessel) = match self.motion() {
+            Motion::Rig => (Some(pose_entry(&world_from_flange)), None),
+            Motion::Vessel => (None, Some(pose_entry(&world_from_flange.inverse()))),
+        };
         Ok(ViewEntry {
             id: format!("{index:04}"),
             on: format!("images/{index:04}-on.png"),
             off: Some(format!("images/{index:04}-off.png")),
-            world_from_flange: flange_entry(world_from_camera, self)?,
+            world_from_flange: of_rig,
+            flange_from_world: of_vessel,
             inside: InsideMedium::Liquid,
             extra: Default::default(),
         })

@@ -1,14 +1,14 @@
 //! A scene as its TOML file states it.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{Solid, rotation_from_degrees};
 use crate::geometry::{Camera, Direction, Flange, Point, Pose, Ray, World, ZeroLength};
 use crate::optics::{Base, BaseShape, Freeform, Grid, Sheet, Surface};
 use crate::scan::{
-    CameraEntry, FarWall, InsideMedium, LaserEntry, LengthUnit, Manifest, MediaEntry, PoseEntry,
-    ScanError, ScanFormat, VesselEntry, VesselShape,
+    CameraEntry, FarWall, InsideMedium, LaserEntry, LengthUnit, Manifest, MediaEntry, Motion,
+    PoseEntry, ScanError, ScanFormat, VesselEntry, VesselShape,
 };
 use crate::vessel::{NoRoom, Wall};
 
@@ -67,6 +67,9 @@ pub struct Scene {
     /// What stands in the vessel.
     #[serde(default, rename = "object")]
     pub objects: Vec<SceneObject>,
+    /// What turns the vessel before a rig that stands still; without it the rig moves.
+    #[serde(default)]
+    pub turntable: Option<Turntable>,
     /// Rows of stations.
     #[serde(rename = "sweep")]
     pub sweeps: Vec<Sweep>,
@@ -186,6 +189,16 @@ pub enum SceneObject {
     },
 }
 
+/// A turntable. The scene is as it stands at angle 0, where its frame is the world's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Turntable {
+    /// A point of the axis, mm.
+    pub point: [f64; 3],
+    /// Along the axis, any length but zero.
+    pub axis: [f64; 3],
+}
+
 /// A row of stations, evenly spaced, all looking the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -199,6 +212,9 @@ pub struct Sweep {
     /// How the camera is turned: degrees about x (pitch), the turned y (yaw), the turned z (roll).
     #[serde(default)]
     pub rotation: [f64; 3],
+    /// The turntable's first and last angle, degrees about its axis.
+    #[serde(default)]
+    pub turn: [f64; 2],
 }
 
 /// The beam's cross-section and the lens's blur.
@@ -327,6 +343,7 @@ impl Scene {
             version: 1,
             name: self.name.clone(),
             length_unit: LengthUnit::Millimetre,
+            motion: self.motion(),
             camera: self.camera.clone(),
             laser: self.laser.clone(),
             flange_from_camera: self.flange_from_camera.clone(),
@@ -467,17 +484,43 @@ impl Scene {
         self.objects.iter().map(Solid::new).collect()
     }
 
-    /// The camera's poses.
+    /// The camera's poses as seen from the vessel.
     pub(super) fn stations(&self) -> Result<Vec<Pose<World, Camera>>, SceneError> {
         let mut stations = Vec::new();
         for sweep in &self.sweeps {
             let rotation = rotation_from_degrees(sweep.rotation);
             let (from, to) = (Vector3::from(sweep.from), Vector3::from(sweep.to));
             let last = sweep.views.saturating_sub(1).max(1) as f64;
-            let place = |index: usize| from + (to - from) * (index as f64 / last);
-            stations.extend((0..sweep.views).map(|i| Pose::from_parts(rotation, place(i))));
+            for index in 0..sweep.views {
+                let part = index as f64 / last;
+                let rig = Pose::from_parts(rotation, from + (to - from) * part);
+                let turn = sweep.turn[0] + (sweep.turn[1] - sweep.turn[0]) * part;
+                stations.push(self.turned(turn)?.inverse() * rig);
+            }
         }
         Ok(stations)
+    }
+
+    /// How the turntable has moved the vessel at an angle, degrees.
+    fn turned(&self, degrees: f64) -> Result<Pose<World, World>, SceneError> {
+        let Some(table) = &self.turntable else {
+            return Ok(Pose::identity());
+        };
+        let axis = Direction::<World>::new(table.axis.into()).map_err(|problem| {
+            let key = "turntable.axis";
+            SceneError::Direction { key, problem }
+        })?;
+        let rotation = UnitQuaternion::from_scaled_axis(axis.vector() * degrees.to_radians());
+        let point = Vector3::from(table.point);
+        Ok(Pose::from_parts(rotation, point - rotation * point))
+    }
+
+    /// What moves from view to view.
+    pub(super) const fn motion(&self) -> Motion {
+        match self.turntable {
+            Some(_) => Motion::Vessel,
+            None => Motion::Rig,
+        }
     }
 
     /// What is behind the wall at a height.

@@ -51,7 +51,7 @@ pub(super) fn of(simulation: &Simulation) -> Truth {
 }
 
 fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
-    let landing = simulation.landing(view, &simulation.scan.rig.beam);
+    let landing = simulation.landing(view, &simulation.scan.rig.laser.axis());
     let camera = &simulation.scan.rig.camera;
     let pixel = |point, faces| {
         let pixel = simulation.seen(view, point, faces)?;

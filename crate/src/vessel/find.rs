@@ -62,8 +62,8 @@ pub struct VesselPoint {
 pub struct VesselFit {
     /// The wall.
     pub wall: Wall,
-    /// The vessel point of each view, if it has one.
-    pub points: Vec<Option<VesselPoint>>,
+    /// The vessel points of each view: at most one for a beam.
+    pub points: Vec<Vec<VesselPoint>>,
     /// Root mean square residual of the points, mm.
     pub rms: f64,
     /// The grain of the laser's light: the variance of a centroid is the camera's noise and this part of
@@ -75,9 +75,16 @@ pub struct VesselFit {
     pub choice: Option<ShapeChoice>,
     /// Whether the wall was known beforehand, so that no error of measurement moves it.
     pub known: bool,
-    /// The views that the fit's rows stand for.
-    views: Vec<usize>,
+    /// What the fit's rows stand for.
+    rows: Vec<Row>,
     fit: SurfaceFit,
+}
+
+/// A row of the fit: where a view saw the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Row {
+    view: usize,
+    pixel: Pixel,
 }
 
 /// Why there is no wall.
@@ -158,7 +165,7 @@ pub fn find_vessel(
             distance: far.distance,
             thickness: far.thickness,
         }),
-        front: mean_position(&scan.stations),
+        front: usual_place(&scan.stations),
     };
     finder.find()
 }
@@ -183,6 +190,15 @@ struct Pick {
     view: usize,
     candidate: Candidate,
     pixel: Pixel,
+}
+
+impl Pick {
+    const fn row(&self) -> Row {
+        Row {
+            view: self.view,
+            pixel: self.pixel,
+        }
+    }
 }
 
 impl Finder<'_> {
@@ -260,7 +276,10 @@ impl Finder<'_> {
 
     /// Estimates the grain of the laser's light and counts it into the picks' standard deviations.
     fn add_grain(&self, picks: &mut [Pick]) -> f64 {
-        let normal = self.rig.epipolar_line().normal();
+        let Some(line) = self.rig.epipolar_line() else {
+            return 0.0;
+        };
+        let normal = line.normal();
         let off_line = |pick: &Pick| {
             let spot = self.spot(pick.view, &pick.candidate);
             OffLine {
@@ -288,15 +307,18 @@ impl Finder<'_> {
     fn points(&self, rig: &Rig, picks: &[Pick], near: &Surface) -> Vec<WeightedPoint<World>> {
         let one = |pick: &Pick| {
             let world_from_camera = rig.station(&self.stations[pick.view].world_from_flange);
-            let point = match pick::on_beam(rig, pick.pixel) {
-                Some(on_beam) => world_from_camera.point(on_beam.point),
+            let point = match pick::lit_point(rig, pick.pixel) {
+                Some(lit) => world_from_camera.point(lit.point),
                 None => world_from_camera.point(pick.candidate.point),
             };
-            let beam = world_from_camera.direction(rig.beam.direction);
-            // An error along the beam counts across the wall by the cosine of incidence.
-            let cosine = near
-                .normal_at(point)
-                .map_or(1.0, |normal| beam.dot(normal).abs());
+            let light = rig.laser.ray_to(pick.candidate.point);
+            // An error along the light counts across the wall by the cosine of incidence.
+            let cosine = light
+                .zip(near.normal_at(point))
+                .map_or(1.0, |(ray, normal)| {
+                    let along = world_from_camera.direction(ray.direction);
+                    along.dot(normal).abs()
+                });
             WeightedPoint {
                 point,
                 sigma: pick.candidate.sigma * cosine,
@@ -325,7 +347,8 @@ impl Finder<'_> {
     fn faces(&self, picks: &[Pick], wall: &Wall) -> Vec<Option<Faces>> {
         let one = |pick: &Pick| {
             let pose = &self.stations[pick.view].world_from_camera;
-            glow::faces(self.rig, pose, wall, self.media)
+            let light = self.rig.laser.ray_to(pick.candidate.point)?;
+            glow::faces(&self.rig.camera, &light, pose, wall, self.media)
         };
         picks.iter().map(one).collect()
     }
@@ -351,8 +374,8 @@ impl Finder<'_> {
                 pick.pixel.u -= share * faces.offset.x;
                 pick.pixel.v -= share * faces.offset.y;
             }
-            if let Some(on_beam) = pick::on_beam(self.rig, pick.pixel) {
-                pick.candidate.off_line = on_beam.off_line * self.rig.camera.mean_focal();
+            if let Some(lit) = pick::lit_point(self.rig, pick.pixel) {
+                pick.candidate.off_line = lit.off_line * self.rig.camera.mean_focal();
             }
             pick
         };
@@ -378,18 +401,18 @@ impl Finder<'_> {
         fit: SurfaceFit,
         (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
-        let mut points = vec![None; self.stations.len()];
+        let mut points = vec![Vec::new(); self.stations.len()];
         let places = self.points(self.rig, picks, &fit.surface);
         for (row, (pick, place)) in picks.iter().zip(&places).enumerate() {
             // A point that the fit refused is no point of the wall.
-            points[pick.view] = (fit.weights[row] > 0.0).then(|| VesselPoint {
+            points[pick.view].extend((fit.weights[row] > 0.0).then(|| VesselPoint {
                 spot: pick.candidate.spot,
                 pixel: pick.pixel,
                 point: place.point,
                 sigma: place.sigma,
                 off_line: pick.candidate.off_line,
                 residual: fit.residuals[row],
-            });
+            }));
         }
         let mut wall = self.wall(fit.surface.clone())?;
         wall.covariance = fit.covariance.clone();
@@ -401,7 +424,7 @@ impl Finder<'_> {
             glows,
             choice,
             known: self.known.is_some(),
-            views: picks.iter().map(|pick| pick.view).collect(),
+            rows: picks.iter().map(Pick::row).collect(),
             fit,
         })
     }
@@ -414,14 +437,13 @@ impl VesselFit {
         if self.known {
             return Some(self.wall.clone());
         }
-        let mut shifts = DVector::zeros(self.views.len());
-        for (row, view) in self.views.iter().enumerate() {
-            let Some(point) = &self.points[*view] else {
-                continue;
-            };
-            let world_from_camera = rig.station(&stations[*view].world_from_flange);
-            let moved = world_from_camera.point(pick::on_beam(rig, point.pixel)?.point);
-            shifts[row] = self.wall.outer.signed_distance(moved) - point.residual;
+        let mut shifts = DVector::zeros(self.rows.len());
+        let supporting = |row: &usize| self.fit.weights[*row] > 0.0;
+        for row in (0..self.rows.len()).filter(supporting) {
+            let Row { view, pixel } = self.rows[row];
+            let world_from_camera = rig.station(&stations[view].world_from_flange);
+            let moved = world_from_camera.point(pick::lit_point(rig, pixel)?.point);
+            shifts[row] = self.wall.outer.signed_distance(moved) - self.fit.residuals[row];
         }
         Some(self.wall.nudged(&self.fit.response(&shifts)?))
     }
@@ -434,10 +456,11 @@ impl VesselFit {
     }
 }
 
-fn mean_position(stations: &[Station]) -> Point<World> {
-    let sum: Vector3<f64> = stations
-        .iter()
-        .map(|s| s.world_from_camera.translation())
-        .sum();
-    Point::from_coords(sum / stations.len() as f64)
+/// Where the rig usually stands: the station nearest to the mean of all. The mean itself may lie within
+/// the vessel, where the rig went all the way around it.
+fn usual_place(stations: &[Station]) -> Point<World> {
+    let places = stations.iter().map(|s| s.world_from_camera.translation());
+    let mean = places.clone().sum::<Vector3<f64>>() / stations.len() as f64;
+    let nearest = places.min_by(|a, b| (a - mean).norm().total_cmp(&(b - mean).norm()));
+    Point::from_coords(nearest.unwrap_or(mean))
 }

@@ -18,10 +18,9 @@
 use nalgebra::Vector2;
 
 use super::Wall;
-use crate::camera::Pixel;
-use crate::geometry::{Camera, Point, Pose, World};
+use crate::camera::{Intrinsics, Pixel};
+use crate::geometry::{Camera, Point, Pose, Ray, World};
 use crate::optics::{Media, aim_through};
-use crate::rig::Rig;
 use crate::robust::{median, robust_scale};
 use crate::scan::InsideMedium;
 use crate::spots::Spot;
@@ -38,16 +37,18 @@ pub(super) struct Faces {
 /// Faces that are seen nearer together than this, px, glow as one.
 const LEAST_OFFSET: f64 = 1e-3;
 
-/// Where the inner face's glow is seen, beside the outer one's; `None` where that is the same place.
+/// Where the inner face's glow of the laser's ray `beam` is seen, beside the outer one's; `None` where
+/// that is the same place.
 pub(super) fn faces(
-    rig: &Rig,
+    camera: &Intrinsics,
+    beam: &Ray<Camera>,
     world_from_camera: &Pose<World, Camera>,
     wall: &Wall,
     media: &Media,
 ) -> Option<Faces> {
     let mut stack = wall.stack(media, InsideMedium::Liquid).ok()?;
     stack.interfaces.truncate(2);
-    let inside = stack.path(&world_from_camera.ray(&rig.beam)).ok()?;
+    let inside = stack.path(&world_from_camera.ray(beam)).ok()?;
     stack.interfaces.truncate(1);
     let eye = world_from_camera.point(Point::origin());
     let seen = |point: Point<World>, faces: usize| -> Option<Pixel> {
@@ -55,7 +56,7 @@ pub(super) fn faces(
         stack.interfaces.truncate(faces);
         let aim = aim_through(&stack, eye, point).ok()?;
         let ahead = world_from_camera.inverse().direction(aim);
-        rig.camera.project(Point::from_coords(ahead.vector()))
+        camera.project(Point::from_coords(ahead.vector()))
     };
     let outer = inside.vertices[1];
     let (at_outer, at_inner) = (seen(outer, 0)?, seen(inside.vertices[2], 1)?);
@@ -65,30 +66,27 @@ pub(super) fn faces(
     }
     Some(Faces {
         offset,
-        stretch: stretch(rig, world_from_camera, wall, at_outer, offset)?,
+        stretch: stretch(camera, beam, world_from_camera, wall, (at_outer, offset))?,
     })
 }
 
 /// How the circle in which the wall cuts the beam is seen: its image's half width along the offset over
 /// that across it.
 fn stretch(
-    rig: &Rig,
+    camera: &Intrinsics,
+    beam: &Ray<Camera>,
     world_from_camera: &Pose<World, Camera>,
     wall: &Wall,
-    centre: Pixel,
-    offset: Vector2<f64>,
+    (centre, offset): (Pixel, Vector2<f64>),
 ) -> Option<f64> {
     const BEAM: f64 = 0.1;
-    let (u, v) = rig.beam.direction.tangents();
+    let (u, v) = beam.direction.tangents();
     let along = offset.normalize();
     let across = Vector2::new(-along.y, along.x);
     let edge = |shift| {
-        let mut beam = rig.beam;
-        beam.origin = beam.origin + shift * BEAM;
-        let hit = wall.outer.hit(&world_from_camera.ray(&beam))?;
-        let pixel = rig
-            .camera
-            .project(world_from_camera.inverse().point(hit.point))?;
+        let beside = Ray::new(beam.origin + shift * BEAM, beam.direction);
+        let hit = wall.outer.hit(&world_from_camera.ray(&beside))?;
+        let pixel = camera.project(world_from_camera.inverse().point(hit.point))?;
         Some(Vector2::new(pixel.u - centre.u, pixel.v - centre.v))
     };
     let (a, b) = (edge(u)?, edge(v)?);

@@ -2,7 +2,7 @@
 
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Point};
-use crate::rig::{OnBeam, Rig};
+use crate::rig::{LitPoint, Rig};
 use crate::spots::Spot;
 
 /// A spot near the epipolar line, taken for a point of the beam in air.
@@ -35,7 +35,7 @@ pub(super) fn along_epipolar_line(rig: &Rig, spots: &[Spot], tolerance: f64) -> 
 }
 
 fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
-    let here = on_beam(rig, spot.pixel())?;
+    let here = lit_point(rig, spot.pixel())?;
     Some(Candidate {
         spot: index,
         point: here.point,
@@ -46,9 +46,8 @@ fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
 }
 
 /// Triangulates a pixel in air.
-pub(super) fn on_beam(rig: &Rig, pixel: Pixel) -> Option<OnBeam> {
-    rig.epipolar_line()
-        .triangulate(rig.camera.slope(pixel).ok()?)
+pub(super) fn lit_point(rig: &Rig, pixel: Pixel) -> Option<LitPoint> {
+    rig.triangulate(rig.camera.slope(pixel).ok()?)
 }
 
 /// First-order propagation of the centroid's covariance, with the grain of laser light, to the place
@@ -56,7 +55,7 @@ pub(super) fn on_beam(rig: &Rig, pixel: Pixel) -> Option<OnBeam> {
 pub(super) fn sigma_along(rig: &Rig, spot: &Spot, grain: f64) -> Option<f64> {
     const H: f64 = 0.01;
     let Pixel { u, v } = spot.pixel();
-    let along = |u, v| on_beam(rig, Pixel::new(u, v)).map(|p| p.along);
+    let along = |u, v| lit_point(rig, Pixel::new(u, v)).map(|p| p.along);
     let slope = nalgebra::Vector2::new(
         (along(u + H, v)? - along(u - H, v)?) / (2.0 * H),
         (along(u, v + H)? - along(u, v - H)?) / (2.0 * H),

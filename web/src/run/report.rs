@@ -22,7 +22,7 @@ pub(crate) struct Facts {
     pub(crate) given_index: Option<f64>,
     /// Picture width and height, px.
     pub(crate) picture: [u32; 2],
-    /// The beam's image in air, px.
+    /// The beam's image in air, px; empty for a line laser.
     pub(crate) epipolar_line: Vec<[f64; 2]>,
     /// How many sweeps there are.
     pub(crate) sweeps: usize,
@@ -99,14 +99,21 @@ pub(crate) enum Face {
 pub(crate) struct ViewOutcome {
     /// As in the result file.
     pub(crate) result: ViewResult,
-    /// Where the object's point would lie if refraction were ignored.
-    pub(crate) unrefracted: Option<Place>,
-    /// How far behind the wall's inner face the object's point lies, mm.
-    pub(crate) depth: Option<f64>,
-    /// The laser's light, bent at every face.
+    /// Where each of the object's points would lie if refraction were ignored.
+    pub(crate) unrefracted: Vec<Option<Place>>,
+    /// How far behind the wall's inner face each of them lies, mm.
+    pub(crate) depth: Vec<f64>,
+    /// The laser's light to the middle one, bent at every face.
     pub(crate) beam: Vec<Place>,
-    /// The line of sight, bent at every face.
+    /// The line of sight to it, bent at every face.
     pub(crate) sight: Vec<Place>,
+}
+
+impl ViewOutcome {
+    /// The point that stands for the view: the middle one of a line.
+    pub(crate) fn middle(&self) -> usize {
+        self.result.object.as_slice().len() / 2
+    }
 }
 
 impl Facts {
@@ -130,8 +137,10 @@ impl Facts {
 }
 
 fn epipolar_line(scan: &Scan) -> Vec<[f64; 2]> {
-    let line = scan.rig.epipolar_line().polyline(&scan.rig.camera);
-    line.iter().map(|pixel| [pixel.u, pixel.v]).collect()
+    let line = scan.rig.epipolar_line().into_iter();
+    line.flat_map(|line| line.polyline(&scan.rig.camera))
+        .map(|pixel| [pixel.u, pixel.v])
+        .collect()
 }
 
 fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize) -> StationFacts {
@@ -157,7 +166,7 @@ fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize
             corner(right, bottom),
             corner(0.0, bottom),
         ],
-        laser: pose.point(scan.rig.beam.origin).to_array(),
+        laser: pose.point(scan.rig.laser.origin()).to_array(),
         down: axis(pose, [0.0, 1.0, 0.0]),
         ahead: axis(pose, [0.0, 0.0, 1.0]),
     }
@@ -212,13 +221,14 @@ fn face(wall: &snellius::vessel::Wall) -> Face {
 fn view_outcome(reconstruction: &Reconstruction, view: usize, result: ViewResult) -> ViewOutcome {
     let wall = &reconstruction.vessel.wall;
     let depth = |object: Place| -wall.outer.signed_distance(object.into()) - wall.thickness;
+    let unrefracted = reconstruction.unrefracted[view].iter();
     let light = reconstruction.light_paths(view);
     let (beam, sight) = light.map_or_else(Default::default, |LightPaths { beam, sight }| {
         (places(&beam), places(&sight))
     });
     ViewOutcome {
-        unrefracted: reconstruction.unrefracted[view].map(Point::to_array),
-        depth: result.object.map(depth),
+        unrefracted: unrefracted.map(|p| p.map(Point::to_array)).collect(),
+        depth: result.object.iter().copied().map(depth).collect(),
         beam,
         sight,
         result,

@@ -93,9 +93,9 @@ impl Content {
             .into_iter()
             .flat_map(|o| o.views.iter().enumerate());
         views
-            .filter_map(|(view, outcome)| {
-                let place = vector(outcome.result.vessel?);
-                Some(ScenePoint {
+            .flat_map(|(view, outcome)| {
+                let places = outcome.result.vessel.iter().copied().map(vector);
+                places.map(move |place| ScenePoint {
                     view,
                     place,
                     unrefracted: place,
@@ -119,10 +119,12 @@ impl Content {
         let grid = self.grid.iter().flat_map(|g| g.lines(palette.grid));
         let beams = self.measured.iter().flat_map(|(facts, outcome)| {
             let views = facts.stations.iter().zip(&outcome.views);
-            views.filter_map(|(station, view)| {
-                let wall = vector(view.result.vessel?);
+            views.flat_map(|(station, view)| {
+                // Of a sheet its two edges.
+                let places = view.result.vessel.as_slice();
+                let edges = places.iter().take(1).chain(places.iter().skip(1).last());
                 let laser = vector(station.laser);
-                Some(Line::new(laser, wall, palette.station_beam))
+                edges.map(move |wall| Line::new(laser, vector(*wall), palette.station_beam))
             })
         });
         grid.chain(beams).collect()
@@ -137,7 +139,7 @@ impl Content {
         self.grid.iter().flat_map(Grid::labels).collect()
     }
 
-    /// A ring around the chosen view's point.
+    /// A ring around each point of the chosen view.
     pub(super) fn marker(&self, palette: &Palette) -> Vec<ScenePoint> {
         let chosen = self.object.iter().filter(|p| Some(p.view) == self.chosen);
         chosen
@@ -158,7 +160,8 @@ impl Content {
         };
         let bend = |path: &[Place], colour| {
             let bent: Vec<Vec3> = path.iter().copied().map(vector).collect();
-            let places = straightened(&bent, view.unrefracted.map(vector), refraction);
+            let straight_end = view.unrefracted.get(view.middle()).copied().flatten();
+            let places = straightened(&bent, straight_end.map(vector), refraction);
             chain(&places, colour).collect::<Vec<_>>()
         };
         [
@@ -196,14 +199,20 @@ fn object_points(facts: &Facts, outcome: &Outcome, by: ColourBy) -> Vec<ScenePoi
     let scale = Scale::of(facts, outcome, by);
     let views = outcome.views.iter().enumerate();
     views
-        .filter_map(|(view, measured)| {
-            let place = vector(measured.result.object?);
-            let [red, green, blue] = scale.colour(facts, outcome, by, view)?;
+        .flat_map(|(view, measured)| {
+            let points = measured.result.object.iter().zip(&measured.unrefracted);
+            points
+                .enumerate()
+                .map(move |(point, places)| (view, point, places))
+        })
+        .filter_map(|(view, point, (place, unrefracted))| {
+            let place = vector(*place);
+            let [red, green, blue] = scale.colour(facts, outcome, by, (view, point))?;
             let part = |value: u8| f32::from(value) / 255.0;
             Some(ScenePoint {
                 view,
                 place,
-                unrefracted: measured.unrefracted.map_or(place, vector),
+                unrefracted: unrefracted.map_or(place, vector),
                 colour: [part(red), part(green), part(blue), 1.0],
             })
         })
@@ -260,8 +269,11 @@ fn mean(facts: &Facts, of: impl Fn(&StationFacts) -> Place) -> Vec3 {
 }
 
 fn vessel_places(outcome: &Outcome) -> Vec<Vec3> {
-    let places = outcome.views.iter().filter_map(|view| view.result.vessel);
-    places.map(vector).collect()
+    let places = outcome
+        .views
+        .iter()
+        .flat_map(|view| view.result.vessel.iter());
+    places.copied().map(vector).collect()
 }
 
 /// A place as the graphics card takes it.
