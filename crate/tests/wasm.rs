@@ -76,7 +76,7 @@ fn the_sample_is_read_and_measured() {
 }
 
 /// The bytes of the sample's result.json, as FNV-1a makes one number of them.
-const RESULT: u64 = 0x3076_751b_0cde_5e94;
+const RESULT: u64 = 0x261d_d4b0_c883_0c6c;
 
 /// Changes of the core that change its results change this number: put the new one here, from either side.
 /// That it is one number for both is what counts.
