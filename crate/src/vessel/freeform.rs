@@ -37,9 +37,11 @@ pub(super) fn fit(points: &[WeightedPoint<World>], base: Base) -> Option<Surface
         if round < SMOOTHINGS {
             smoothness = Some(normal.likeliest_smoothness()?);
         }
-        let solved = normal.solve(smoothness?)?;
-        sheet.heights = solved.heights.iter().copied().collect();
-        solution = Some(solved);
+        let factor = normal.penalised(smoothness?).cholesky()?;
+        sheet.heights = factor.solve(&normal.right).iter().copied().collect();
+        if round + 1 == REWEIGHTINGS {
+            solution = normal.solution(smoothness?);
+        }
     }
     let solution = solution?;
     sheet.patch = measured_patch(points, &weights, &sheet, &solution.inverse);
@@ -67,14 +69,14 @@ fn flat_sheet(points: &[WeightedPoint<World>], base: Base) -> Sheet {
     }
 }
 
-/// A grid over the patch with about as many cells as there are points, about square: smoothness is the
-/// penalty's business.
+/// A grid over the patch with about half as many cells, nearly square, as there are points: smoothness is
+/// the penalty's business.
 fn grid(patch: &[Vector2<f64>], points: usize) -> Grid {
     let first = Vector2::repeat(f64::INFINITY);
     let low = patch.iter().fold(first, |low, corner| low.inf(corner));
     let high = patch.iter().fold(-first, |high, corner| high.sup(corner));
     let extent = (high - low).add_scalar(1e-6);
-    let edge = (extent.x * extent.y / points as f64).sqrt();
+    let edge = (2.0 * extent.x * extent.y / points as f64).sqrt();
     let cells = extent.map(|length| (length / edge).ceil().clamp(2.0, MOST_CELLS));
     Grid {
         start: low,
@@ -84,15 +86,14 @@ fn grid(patch: &[Vector2<f64>], points: usize) -> Grid {
     }
 }
 
-/// The patch around the supporting points whose rim the fit determines nearly as well as one point its
-/// own place: to within 1.5 times a point's standard deviation.
+/// The widest patch around the supporting points whose rim the fit determines as well as one point alone
+/// does its own place.
 fn measured_patch(
     points: &[WeightedPoint<World>],
     weights: &[f64],
     sheet: &Sheet,
     covariance: &DMatrix<f64>,
 ) -> Vec<Vector2<f64>> {
-    const WORTH: f64 = 1.5;
     let supporting = points.iter().zip(weights).filter(|(_, w)| **w > 0.0);
     let places: Vec<_> = supporting
         .map(|(p, _)| sheet.base.place(p.point).0)
@@ -108,7 +109,7 @@ fn measured_patch(
     let determined = |patch: &Vec<Vector2<f64>>| {
         let sides = patch.iter().zip(patch.iter().cycle().skip(1));
         let mut rim = sides.flat_map(|(a, b)| [0.0, 0.25, 0.5, 0.75].map(|t| a + (b - a) * t));
-        rim.all(|place| variance(place) <= WORTH * WORTH * one_point)
+        rim.all(|place| variance(place) <= one_point)
     };
     let patches = MARGINS.map(|margin| patch(&places, margin));
     let found = patches.iter().find(|patch| determined(patch));
@@ -157,9 +158,8 @@ struct Normal<'a> {
     problem: &'a Problem,
 }
 
-/// The heights for one smoothness.
+/// What is left to know once the smoothness is settled.
 struct Solution {
-    heights: DVector<f64>,
     /// Inverse of the penalised information.
     inverse: DMatrix<f64>,
     /// The effective degrees of freedom, the trace of what turns the points into the sheet's.
@@ -246,20 +246,23 @@ impl Normal<'_> {
     /// ```
     ///
     /// with A c + lambda P c = b the penalised normal equations, n control heights, and m motions that
-    /// cost nothing. Sought in whole powers of ten, then between them.
+    /// cost nothing. Sought in steps of a hundred, then between them.
     fn likeliest_smoothness(&self) -> Option<f64> {
         let unit = self.information.trace() / self.problem.penalty.trace();
-        let at = |power: f64| unit * libm::exp10(power);
-        let scored = |power: f64| Some((self.unlikeliness(at(power))?, power));
-        let best = |powers: &mut dyn Iterator<Item = f64>| {
-            powers
-                .filter_map(scored)
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, power)| power)
+        let scored = |power: f64| {
+            let smoothness = unit * libm::exp10(power);
+            Some((self.unlikeliness(smoothness)?, power, smoothness))
         };
-        let coarse = best(&mut (-8..=7).map(f64::from))?;
-        let fine = best(&mut (-3..=3).map(|step| coarse + 0.25 * f64::from(step)))?;
-        Some(at(fine))
+        let likeliest = |powers: &mut dyn Iterator<Item = f64>| {
+            let scored = powers.filter_map(scored);
+            scored.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let mut best = likeliest(&mut (-4..=4).map(|i| 2.0 * f64::from(i)))?;
+        for step in [1.0, 0.5, 0.25] {
+            let either_side = likeliest(&mut [best.1 - step, best.1 + step].into_iter());
+            best = either_side.filter(|next| next.0 < best.0).unwrap_or(best);
+        }
+        Some(best.2)
     }
 
     fn unlikeliness(&self, smoothness: f64) -> Option<f64> {
@@ -276,10 +279,10 @@ impl Normal<'_> {
         Some(misfit + volume - stiff * libm::log(smoothness))
     }
 
-    fn solve(&self, smoothness: f64) -> Option<Solution> {
-        let inverse = self.penalised(smoothness).cholesky()?.inverse();
+    fn solution(&self, smoothness: f64) -> Option<Solution> {
+        let factor = self.penalised(smoothness).cholesky()?;
+        let inverse = factor.inverse();
         Some(Solution {
-            heights: &inverse * &self.right,
             freedom: inverse.component_mul(&self.information).sum(),
             inverse,
         })
@@ -301,7 +304,7 @@ fn summarise(
             (n + 1.0, chi + (r / p.sigma) * (r / p.sigma))
         });
     let inflation = (chi / f64::max(count - solution.freedom, 1.0)).max(1.0);
-    let mut jacobian = DMatrix::zeros(points.len(), solution.heights.len());
+    let mut jacobian = DMatrix::zeros(points.len(), surface.freedom());
     if let Surface::Freeform(freeform) = &surface {
         for (row, p) in points.iter().enumerate() {
             for (index, slope) in freeform.distance_slopes(p.point) {

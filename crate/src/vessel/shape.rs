@@ -165,8 +165,6 @@ fn choose(
     }
     let simple: Vec<SurfaceFit> = fits.iter().map(|(_, fit)| fit.clone()).collect();
     match fit_freeform(points, front, &simple) {
-        // A free form that the noise has smoothed down to what it stands on is that once more.
-        Ok(fit) if is_its_base(&fit) => {}
         Ok(fit) => fits.push((VesselShape::Freeform, fit)),
         Err(error) => first_error = first_error.or(Some(error)),
     }
@@ -189,26 +187,19 @@ fn choose(
     Ok((fit, choice))
 }
 
-fn is_its_base(fit: &SurfaceFit) -> bool {
-    const HARDLY_MORE: f64 = 1.0;
-    let Surface::Freeform(freeform) = &fit.surface else {
-        return false;
-    };
-    let base = freeform.sheet().base.surface().freedom() as f64;
-    fit.effective_freedom < base + HARDLY_MORE
-}
-
 /// The Bayesian information criterion
 ///
 /// ```text
 /// BIC = sum rho(r_i / s sigma_i) + k ln N,   rho Tukey's loss, s the robust scale of the closest fit
 /// ```
 ///
-/// with k the numbers that move the shape: a shape with more of them must earn them. (G. Schwarz, 1978;
-/// with a robust loss in place of the squares.)
+/// with k the numbers that the points gave to the shape, a free form's smoothness among them: a shape with
+/// more of them must earn them. (G. Schwarz, 1978; with a robust loss in place of the squares.)
 fn criterion(points: &[WeightedPoint<World>], fit: &SurfaceFit, noise: f64) -> f64 {
     let losses = normalised(points, fit).map(|z| tukey_loss(z / noise));
-    losses.sum::<f64>() + fit.effective_freedom * libm::log(points.len() as f64)
+    let smoothness = f64::from(matches!(fit.surface, Surface::Freeform(_)));
+    let numbers = fit.effective_freedom + smoothness;
+    losses.sum::<f64>() + numbers * libm::log(points.len() as f64)
 }
 
 /// The points' distances from a fit in units of their standard deviations.

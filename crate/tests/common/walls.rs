@@ -15,7 +15,9 @@ pub struct Traced {
 
 /// A vessel of a shape, of a random size, turned at random, with a rig that walks round it or along it at
 /// several heights.
-pub fn random_vessel(shape: VesselShape, random: &mut Random) -> Scene {
+///
+/// The bulges of a free form come from control heights some `bulges` mm apart.
+pub fn random_vessel(shape: VesselShape, bulges: f64, random: &mut Random) -> Scene {
     let mut scene = Scene::from_toml(RIG).unwrap();
     let over = match shape {
         VesselShape::Freeform if random.between(0.0, 1.0) < 0.5 => VesselShape::Plane,
@@ -24,7 +26,12 @@ pub fn random_vessel(shape: VesselShape, random: &mut Random) -> Scene {
     };
     scene.vessel.shape = shape;
     scene.vessel.declared = Some(VesselShape::Auto);
-    let radius = random.between(40.0, 150.0);
+    let smallest = if shape == VesselShape::Freeform {
+        90.0
+    } else {
+        40.0
+    };
+    let radius = random.between(smallest, 150.0);
     scene.vessel.radius = Some(radius);
     let rows = random.between(3.0, 7.99).floor();
     let stations = random.between(9.0, 15.99).floor() as usize;
@@ -38,7 +45,7 @@ pub fn random_vessel(shape: VesselShape, random: &mut Random) -> Scene {
     ];
     if shape == VesselShape::Freeform {
         scene.vessel.rotation[2] = random.between(-lean, lean);
-        scene.vessel.relief = Some(relief(over, random));
+        scene.vessel.relief = Some(relief(over, bulges, random));
     }
     let half_height = if flat {
         random.between(12.0, 25.0) * 0.5 * (rows - 1.0)
@@ -94,9 +101,9 @@ fn around(radius: f64, y: f64, degrees: f64) -> Sweep {
     }
 }
 
-/// Bulges and dents of some millimetres, some centimetres wide.
-fn relief(over: VesselShape, random: &mut Random) -> Relief {
-    let step = random.between(45.0, 65.0);
+/// Bulges and dents of some millimetres.
+fn relief(over: VesselShape, bulges: f64, random: &mut Random) -> Relief {
+    let step = bulges * random.between(0.85, 1.15);
     let row = |random: &mut Random| (0..12).map(|_| 2.0 * random.normal()).collect();
     Relief {
         over,
@@ -118,8 +125,8 @@ impl Traced {
     /// The spots at their true places but for noise of `sigma` px; of the vessel's, one in `stray` lies
     /// elsewhere on the epipolar line.
     pub fn spots(&self, sigma: f64, stray: f64, random: &mut Random) -> Vec<Spots> {
-        let mut noisy = |pixel: [f64; 2], away: f64| Spot {
-            u: pixel[0] + sigma * random.normal() + away,
+        let mut noisy = |pixel: [f64; 2]| Spot {
+            u: pixel[0] + sigma * random.normal(),
             v: pixel[1] + sigma * random.normal(),
             covariance: [sigma * sigma, 0.0, sigma * sigma],
             shape: [1.4, 0.0, 1.4],
@@ -131,18 +138,17 @@ impl Traced {
         };
         let mut spots = Vec::new();
         for view in &self.truth.views {
-            let on_wall = view.vessel_pixel.map(|pixel| noisy(pixel, 0.0));
-            let on_object = view.object_pixel.map(|pixel| noisy(pixel, 0.0));
+            let on_wall = view.vessel_pixel.map(&mut noisy);
+            let on_object = view.object_pixel.map(&mut noisy);
             spots.push(Spots {
                 spots: on_wall.into_iter().chain(on_object).collect(),
                 noise: 1.0,
             });
         }
         for view in &mut spots {
-            if random.between(0.0, 1.0) < stray {
-                if let Some(spot) = view.spots.first_mut() {
-                    spot.u += random.between(-25.0, 25.0);
-                }
+            let is_stray = random.between(0.0, 1.0) < stray;
+            if let Some(spot) = view.spots.first_mut().filter(|_| is_stray) {
+                spot.u += random.between(-25.0, 25.0);
             }
         }
         spots
