@@ -6,6 +6,7 @@ mod common;
 use common::Random;
 use common::walls::{Traced, random_vessel};
 use nalgebra::Vector3;
+use snellius::geometry::Ray;
 use snellius::optics::{Media, Surface};
 use snellius::pipeline::{Settings, reconstruct};
 use snellius::scan::{Scan, VesselShape};
@@ -176,7 +177,8 @@ fn the_measured_patch_ends_near_the_outermost_points() {
     let mut settings = Settings::default();
     settings.vessel.shape = Some(VesselShape::Freeform);
     let reconstruction = reconstruct(&traced.scan, &spots, &settings).unwrap();
-    let Surface::Freeform(freeform) = &reconstruction.vessel.wall.outer else {
+    let wall = &reconstruction.vessel.wall.outer;
+    let Surface::Freeform(freeform) = wall else {
         panic!("a free form was asked for");
     };
     let points = reconstruction.vessel.points.iter().flatten();
@@ -195,6 +197,8 @@ fn the_measured_patch_ends_near_the_outermost_points() {
         let nearest = places.iter().map(|place| (place - corner).norm());
         let away = nearest.fold(f64::MAX, f64::min);
         assert!(away <= 1.5 * spacing + 1e-9, "{away} mm, spacing {spacing}");
-        assert!(freeform.at(corner * 1.2).is_none(), "beyond it is nothing");
+        let (beyond, normal) = freeform.sheet().at(corner * 1.2);
+        let towards = Ray::new(beyond + normal * 50.0, -normal);
+        assert!(wall.hit(&towards).is_none(), "beyond it is nothing");
     }
 }

@@ -123,7 +123,7 @@ impl Sheet {
 
     /// The sheet's point at a place and its unit normal there. With e the base's axes, a its stretch and
     /// h the height, the normal is along `e3 - (h_s / a1) e1 - (h_t / a2) e2`.
-    fn at(&self, place: Vector2<f64>) -> (Point<World>, Direction<World>) {
+    pub fn at(&self, place: Vector2<f64>) -> (Point<World>, Direction<World>) {
         let height = self.height(place);
         let here = self.base.span(place, height.value);
         let slope = height.slope.component_div(&here.stretch);
@@ -177,13 +177,6 @@ impl Freeform {
             sheet: Arc::new(sheet),
             behind: self.behind,
         }
-    }
-
-    /// The face's point and unit normal at a place of the measured patch.
-    pub fn at(&self, place: Vector2<f64>) -> Option<(Point<World>, Direction<World>)> {
-        let (point, normal) = self.sheet.at(place);
-        let within = self.sheet.measured(place);
-        within.then(|| (point + normal * -self.behind, normal))
     }
 
     /// To first order in the distance, which is exact on the face.

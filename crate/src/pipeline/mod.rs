@@ -16,11 +16,15 @@
 //! ```
 
 mod light;
+mod parameters;
 mod report;
+mod stage;
 mod summary;
 mod warnings;
 
 pub use light::LightPaths;
+pub use parameters::{NumberParameter, PARAMETERS, Parameter, ParameterKind, parameters_page};
+pub use stage::{Stage, Warning};
 pub use summary::Summary;
 
 use std::io::{Read, Seek};
