@@ -18,8 +18,8 @@ use crate::robust::robust_scale;
 /// ```
 ///
 /// What would merely move the base (another radius, an axis that turns) bends the heights too, and costs
-/// nothing: so where the points say little, the wall is the base. Lambda is the one of the greatest
-/// restricted likelihood (G. Wahba, 1985; S. Wood, 2011), so nobody has to choose it. Outliers lose
+/// nothing: so where the points say little, the wall is the base. Lambda is that of the greatest restricted
+/// likelihood (G. Wahba, 1985; S. Wood, 2011), less one standard deviation, so nobody has to choose it. Outliers lose
 /// weight by Tukey's biweight. The covariance is the posterior's, (B^T W B + lambda P)^-1, scaled up where
 /// the residuals are larger than the points' sigmas.
 pub(super) fn fit(points: &[WeightedPoint<World>], base: Base) -> Option<SurfaceFit> {
@@ -53,6 +53,8 @@ const REWEIGHTINGS: usize = 8;
 /// After so many rounds the smoothness is settled, and only the weights still change.
 const SMOOTHINGS: usize = 3;
 const MOST_CELLS: f64 = 12.0;
+/// A smoothness whose -2 l is larger by so much is one standard deviation away.
+const HARDLY_WORSE: f64 = 1.0;
 /// How far beyond the outermost points a wall may count as measured, in spacings of the points: from
 /// that of a place amid them to what the fit may support at best.
 const MARGINS: [f64; 5] = [1.5, 1.25, 1.0, 0.75, 0.5];
@@ -262,7 +264,14 @@ impl Normal<'_> {
             let either_side = likeliest(&mut [best.1 - step, best.1 + step].into_iter());
             best = either_side.filter(|next| next.0 < best.0).unwrap_or(best);
         }
-        Some(best.2)
+        // Where the likelihood hardly tells a stiff sheet from a supple one, the supple one is honest about
+        // what the noise may hide.
+        let mut supple = best;
+        while let Some(next) = scored(supple.1 - 0.5).filter(|next| next.0 <= best.0 + HARDLY_WORSE)
+        {
+            supple = next;
+        }
+        Some(supple.2)
     }
 
     fn unlikeliness(&self, smoothness: f64) -> Option<f64> {
@@ -383,7 +392,13 @@ fn energy(grid: &Grid, order: usize) -> DMatrix<f64> {
 
 /// The weights of an n-th difference: 1; -1, 1; 1, -2, 1; ...
 fn differences(order: usize) -> Vec<f64> {
-    let sign = |i: usize| if (order - i) % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |i: usize| {
+        if (order - i).is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        }
+    };
     (0..=order).map(|i| sign(i) * binomial(order, i)).collect()
 }
 
