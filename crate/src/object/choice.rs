@@ -255,7 +255,8 @@ fn candidates(
     .collect()
 }
 
-fn examine(
+/// The point that a spot would make, were it the object's.
+pub(super) fn examine(
     setup: &Setup,
     station: &Station,
     spot: &Spot,
@@ -353,7 +354,8 @@ fn choose(setup: &Setup, judged: Vec<Judged>) -> Vec<Choice> {
         .into_iter()
         .map(|view| (view.fitting, view.refused))
         .unzip();
-    let selections = select(&fitting, &beams(setup), strays);
+    let beams: Vec<Option<Ray<World>>> = setup.stations.iter().map(|s| beam(setup, s)).collect();
+    let selections = select(&fitting, &beams, strays);
     let views = fitting.into_iter().zip(refused).zip(selections);
     views
         .map(|((fitting, refused), selection)| chosen(fitting, refused, &selection))
@@ -377,12 +379,9 @@ fn chosen(
     Choice { points, refused }
 }
 
-/// Each view's beam behind the wall.
-fn beams(setup: &Setup) -> Vec<Option<Ray<World>>> {
-    let beam = |station: &Station| {
-        let stack = setup.vessel.wall.stack(&setup.media, station.inside).ok()?;
-        let beam = station.world_from_camera.ray(&setup.rig.laser.axis());
-        stack.trace(&beam).ok()
-    };
-    setup.stations.iter().map(beam).collect()
+/// A view's beam behind the wall.
+pub(super) fn beam(setup: &Setup, station: &Station) -> Option<Ray<World>> {
+    let stack = setup.vessel.wall.stack(&setup.media, station.inside).ok()?;
+    let beam = station.world_from_camera.ray(&setup.rig.laser.axis());
+    stack.trace(&beam).ok()
 }

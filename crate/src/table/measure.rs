@@ -190,6 +190,8 @@ impl Measurement<'_> {
                 Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
                 Status::Rejected => sights.iter().find_map(reason),
             },
+            inside_proposed: None,
+            inside: None,
             vessel: self.of_laser(walls()),
             object: self.of_laser(objects().map(|f| pose.point(f.seen.point).to_array())),
             object_sigma: self.of_laser(objects().map(|f| self.sigma(f, pose))),
