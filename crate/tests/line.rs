@@ -353,7 +353,7 @@ fn line_scene(normal: [f64; 3]) -> Scene {
         outer_face: 150.0,
         inner_face: 45.0,
         object: 220.0,
-        back: 0.0,
+        ..Brightness::default()
     };
     scene
 }
