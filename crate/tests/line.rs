@@ -353,7 +353,8 @@ fn line_scene(normal: [f64; 3]) -> Scene {
         outer_face: 150.0,
         inner_face: 45.0,
         object: 220.0,
-        ..Brightness::default()
+        back: 0.0,
+        far_face: 0.0,
     };
     scene
 }
