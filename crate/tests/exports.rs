@@ -147,7 +147,7 @@ fn an_impossible_wall_is_left_out_and_harms_nothing() {
         json!({ "shape": "plane", "point": [0, 0, 0], "normal": [0, 0, 0] }),
         json!({ "shape": "cylinder", "axis_point": [0, 0, 0], "axis": [0, 1, 0], "radius": 0 }),
         json!({ "shape": "sphere", "center": [0, 0, 0], "radius": -1 }),
-        json!({ "shape": "freeform", "origin": [0, 0, 0], "normal": [0, 0, -1],
+        json!({ "shape": "freeform", "base": "plane", "origin": [0, 0, 0], "normal": [0, 0, -1],
                 "tangents": [[1, 0, 0], [0, 1, 0]], "start": [0, 0], "step": [1, 1],
                 "columns": 4, "rows": 5, "heights": [0.0], "patch": [] }),
     ];

@@ -344,6 +344,8 @@ fn payloads_of_ill_will_are_errors() {
         format!(r#"{{"set":{}"#, r#"{"a":"#.repeat(10_000)),
         r#"{"set":{"object":{"gap_sigmas":-4}}}"#.to_owned(),
         r#"{"set":{"spots":{"peak":1e300}}}"#.to_owned(),
+        r#"{"set":{"index_range":{"from":1.2,"to":1.6,"count":4000000000}}}"#.to_owned(),
+        r#"{"set":{"index":-1}}"#.to_owned(),
         r#"{"set":[]}"#.to_owned(),
         format!("{{{RESULT}}}"),
         format!(r#"{{{RESULT},"steps":[0,0.1,0.1,0.1]}}"#),

@@ -6,6 +6,7 @@
 mod check;
 mod export;
 mod files;
+mod index;
 mod reconstruct;
 mod schema;
 mod simulate;
@@ -38,6 +39,8 @@ enum Command {
     Export(export::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
+    /// Says what a scan tells of the liquid's refractive index, by every method
+    Index(index::Arguments),
     /// Works out the table of a rig that never moves against its window
     Table(table::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
@@ -55,6 +58,12 @@ enum Failure {
     Scan { path: PathBuf, error: ScanError },
     #[error("{path}: {error}")]
     Pipeline { path: PathBuf, error: PipelineError },
+    #[error("{path}: the refractive index is not determined by {method}: {reason}")]
+    NotDetermined {
+        path: PathBuf,
+        method: &'static str,
+        reason: String,
+    },
     #[error("{path}: {error}")]
     Scene { path: PathBuf, error: SceneError },
 }
@@ -93,6 +102,7 @@ pub fn run() -> ExitCode {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Index(arguments) => index::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),

@@ -20,13 +20,17 @@ pub(super) fn index(inside: &InsideResult) -> String {
     let sigma = inside
         .sigma
         .map_or(String::new(), |sigma| format!(" +- {sigma}"));
+    let within = match (inside.value, inside.interval) {
+        (None, Some([low, high])) => format!(", within {low} to {high}"),
+        _ => String::new(),
+    };
     let (method, verdict) = (name_of(&inside.method), name_of(&inside.verdict));
     let origin = if method == verdict {
         method
     } else {
         format!("{method}, {verdict}")
     };
-    format!("{value}{sigma} ({origin})")
+    format!("{value}{sigma}{within} ({origin})")
 }
 
 /// The name under which a value without fields stands in `result.json`.

@@ -34,8 +34,8 @@ pub use pcd::object_pcd;
 pub use ply::{object_ply, vessel_ply};
 pub use report::report_html;
 pub use result::{
-    GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, ResultError, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict,
-    VesselResult, ViewResult, WallResult,
+    BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    ReconstructionResult, RefusedResult, ResultError, ShapeChoiceResult, SpotResult, SpotRole,
+    Status, VesselResult, ViewResult, WallResult,
 };
 pub use stl::mesh_stl;

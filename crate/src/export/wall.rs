@@ -1,8 +1,8 @@
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
-use super::{ReconstructionResult, VesselResult, WallResult};
+use super::{BaseResult, ReconstructionResult, VesselResult, WallResult};
 use crate::geometry::{Direction, Plane, Point, World};
-use crate::optics::{Cylinder, Freeform, Grid, Sheet, Sphere, Surface};
+use crate::optics::{Base, BaseShape, Cylinder, Freeform, Grid, Sheet, Sphere, Surface};
 use crate::vessel::{Wall, WallMesh};
 
 /// How far beyond the measured points a wall is drawn, mm.
@@ -64,15 +64,17 @@ fn positive(length: f64) -> Option<f64> {
 
 fn freeform(wall: &WallResult) -> Option<Freeform> {
     let WallResult::Freeform {
+        base,
+        radius,
         origin,
         normal,
+        tangents,
         start,
         step,
         columns,
         rows,
         heights,
         patch,
-        ..
     } = wall
     else {
         return None;
@@ -80,9 +82,20 @@ fn freeform(wall: &WallResult) -> Option<Freeform> {
     // A bicubic spline has four control points a cell along each tangent, and a step to divide by.
     let is_grid = *columns >= 4 && *rows >= 4 && columns.checked_mul(*rows) == Some(heights.len());
     positive(step[0].min(step[1]))?;
+    let radius = radius.and_then(positive);
+    let shape = match base {
+        BaseResult::Plane => BaseShape::Plane,
+        BaseResult::Cylinder => BaseShape::Cylinder { radius: radius? },
+        BaseResult::Sphere => BaseShape::Sphere { radius: radius? },
+    };
     is_grid.then(|| {
         Some(Freeform::new(Sheet {
-            reference: plane(*origin, *normal)?,
+            base: Base {
+                origin: (*origin).into(),
+                normal: direction(*normal)?,
+                tangents: tangents.map(Vector3::from),
+                shape,
+            },
             grid: Grid {
                 start: (*start).into(),
                 step: (*step).into(),

@@ -13,6 +13,8 @@ const SHOWN_STEP: f64 = 0.5;
 pub(super) const SIGMA_STEPS_PER_OCTAVE: f64 = 2.0;
 /// A rounding that no measurement needs finer, mm; also where a point claims to have no standard deviation.
 const FINEST: f64 = 1e-4;
+/// No search for an index tries more of them.
+const MOST_INDICES: usize = 10_000;
 
 /// The head of a link. Keys are short, and what is as usual is left out: every byte counts.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -181,6 +183,12 @@ impl Head {
                     )));
                 }
             }
+        }
+        let range = settings.index_range;
+        let is_index = |n: f64| (1.0..=4.0).contains(&n);
+        let is_range = is_index(range.from) && is_index(range.to) && range.count <= MOST_INDICES;
+        if !is_range || !settings.index.is_none_or(is_index) {
+            return Err(LinkError::Damaged("its index cannot be".to_owned()));
         }
         Ok(settings)
     }

@@ -116,6 +116,8 @@ pub(super) fn read(head: &Head, columns: &mut Reader) -> Result<Vec<ViewResult>,
                     .and_then(|status| STATUSES.get(status))
                     .ok_or(ColumnError::Large)?,
                 reason: None,
+                inside_proposed: None,
+                inside: None,
                 vessel: of_laser(&vessel[on], head.line),
                 object: of_laser(&objects[of.clone()], head.line),
                 object_sigma: of_laser(&noise[of.clone()], head.line),
@@ -123,6 +125,7 @@ pub(super) fn read(head: &Head, columns: &mut Reader) -> Result<Vec<ViewResult>,
                 ray_distance: of_laser(&distances[of.clone()], head.line),
                 object_unrefracted: of_laser(&straight[of], head.line),
                 spots: Vec::new(),
+                line: None,
             })
         })
         .collect()
