@@ -37,7 +37,7 @@ def snellius(*arguments):
 
 def listed(value):
     """What a view of a spot laser and one of a line laser have, as a list."""
-    if value is None:
+    if not value:
         return []
     return value if isinstance(value[0], list) else [value]
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::{
     process::{build_directory, cargo, find_in_path, program, root, run},
@@ -51,8 +51,7 @@ pub(crate) fn build() -> Result<()> {
         fs::copy(root().join(licence), package.join(licence))?;
     }
     fs::write(package.join("schema.d.ts"), types()?)?;
-    let manifest = serde_json::to_string_pretty(&manifest())?;
-    fs::write(package.join("package.json"), manifest + "\n")?;
+    fs::write(package.join("package.json"), manifest()?)?;
     let bytes = fs::metadata(package.join("wasm").join("snellius_bg.wasm"))?.len();
     println!(
         "npm package: {} ({:.2} MB of WebAssembly)",
@@ -76,24 +75,13 @@ pub(crate) fn node() -> Option<PathBuf> {
     find_in_path("node")
 }
 
-fn manifest() -> Value {
-    json!({
-        "name": "snellius",
-        "version": env!("CARGO_PKG_VERSION"),
-        "description": "3-D measurement through glass and liquid with a laser range finder",
-        "license": "(MIT OR Apache-2.0)",
-        "type": "module",
-        "types": "./index.d.ts",
-        "exports": {
-            ".": {
-                "types": "./index.d.ts",
-                "node": "./node.js",
-                "default": "./browser.js",
-            },
-        },
-        "sideEffects": false,
-        "engines": { "node": ">=18" },
-    })
+/// The package's manifest, with the workspace's version.
+fn manifest() -> Result<String> {
+    let template = root().join("npm").join("package.json");
+    let text = fs::read_to_string(&template)
+        .with_context(|| format!("cannot read {}", template.display()))?;
+    // As text: of the conditions under "exports" the first that holds counts, so their order must stay.
+    Ok(text.replace("\"0.0.0\"", concat!("\"", env!("CARGO_PKG_VERSION"), "\"")))
 }
 
 /// The types of results and settings, from the core's own schemas.

@@ -10,8 +10,10 @@ const HEIGHT: f64 = 150.0;
 
 pub(super) fn figure(result: &ReconstructionResult) -> Markup {
     let highest = super::distances(result).fold(0.0, f64::max);
-    if highest <= 0.0 {
-        return html! { p { "There are no object points." } };
+    // The sheet of a line laser meets every line of sight, to the last bits of the numbers.
+    const NOTHING: f64 = 1e-9;
+    if highest < NOTHING {
+        return html! { p { "No two light paths miss each other: there are no object points, or the laser is a line." } };
     }
     let top = 1.05 * highest;
     let y = |l: f64| px(HEIGHT * (1.0 - l / top));
