@@ -34,7 +34,7 @@ impl Errors {
             .result();
         let mut errors = Self::default();
         for (view, truth) in result.views.iter().zip(&truth.views) {
-            let Some(there) = truth.object else {
+            let Some(there) = truth.object.first() else {
                 assert!(view.object.first().is_none(), "{}: no object", view.id);
                 continue;
             };

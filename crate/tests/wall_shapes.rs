@@ -88,7 +88,11 @@ impl Errors {
         let result = reconstruct(scan, spots, settings).unwrap().result();
         let mut errors = Self::default();
         for (view, truth) in result.views.iter().zip(&traced.truth.views) {
-            let Some(there) = truth.object.filter(|_| truth.vessel.is_some()) else {
+            let Some(there) = truth
+                .object
+                .first()
+                .filter(|_| truth.vessel.first().is_some())
+            else {
                 continue;
             };
             errors.wanted += 1.0;

@@ -138,11 +138,12 @@ impl Traced {
         };
         let mut spots = Vec::new();
         for view in &self.truth.views {
-            let on_wall = view.vessel_pixel.map(&mut noisy);
-            let on_object = view.object_pixel.map(&mut noisy);
+            let on_wall = view.vessel_pixel.first().map(&mut noisy);
+            let on_object = view.object_pixel.first().map(&mut noisy);
             spots.push(Spots {
                 spots: on_wall.into_iter().chain(on_object).collect(),
                 noise: 1.0,
+                line: None,
             });
         }
         for view in &mut spots {
