@@ -7,6 +7,7 @@ use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet}
 use super::{back, grain};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World};
+use crate::optics::{TotalReflection, TraceProblem};
 use crate::rig::Laser;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
@@ -100,6 +101,18 @@ impl std::fmt::Display for Neighbourhood {
 }
 
 impl Refusal {
+    /// The total reflection that keeps the laser's light or the line of sight out, if that is why.
+    pub const fn total_reflection(&self) -> Option<TotalReflection> {
+        let Self::NoMeeting(MeetingError::Beam(stopped) | MeetingError::Sight(stopped)) = self
+        else {
+            return None;
+        };
+        match stopped.problem {
+            TraceProblem::TotalReflection(reflection) => Some(reflection),
+            TraceProblem::Miss | TraceProblem::Unmeasured => None,
+        }
+    }
+
     /// Whether such a spot shows that there are ghosts: it is neither the object's nor the wall's own.
     const fn tells_of_ghosts(&self) -> bool {
         /// The inner face's glow lies no farther before the face than this, mm.
