@@ -4,10 +4,11 @@ mod csv;
 mod ply;
 mod result;
 
+pub use crate::spots::SpotRole;
 pub use csv::points_csv;
 pub use ply::{object_ply, vessel_ply};
 pub use result::{
     GlowResult, IndexMethod, InsideResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult,
-    ViewResult, WallResult,
+    ReconstructionResult, ShapeChoiceResult, SpotResult, Status, Verdict, VesselResult, ViewResult,
+    WallResult,
 };

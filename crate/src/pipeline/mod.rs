@@ -15,6 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod correction;
 mod light;
 mod parameters;
 mod report;
@@ -22,6 +23,7 @@ mod stage;
 mod summary;
 mod warnings;
 
+pub use correction::{Correction, correct};
 pub use light::LightPaths;
 pub use parameters::{NumberParameter, PARAMETERS, Parameter, ParameterKind, parameters_page};
 pub use stage::{Stage, Warning};
