@@ -21,6 +21,7 @@ mod shortcuts;
 mod stages;
 mod start;
 mod state;
+mod strip;
 mod table;
 
 use wasm_bindgen::JsCast;

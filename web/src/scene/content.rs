@@ -12,8 +12,8 @@ use super::orbit::Orbit;
 use super::palette::Palette;
 use super::patch::Patch;
 use super::points::ScenePoint;
-use crate::colours::Scale;
-use crate::run::{Facts, ObjectPoint, Outcome, Place, Shown, StationFacts};
+use crate::colours::{MIDDLE, Scale};
+use crate::run::{Facts, Outcome, Place, Shown, StationFacts};
 use crate::state::ColourBy;
 
 /// More beams would hide what they light.
@@ -45,18 +45,14 @@ impl Content {
     ) -> Self {
         let scale = Scale::of(&facts, &outcome, by);
         let object = outcome.object.iter().map(|point| {
-            let colour = scale.of_object(&facts, by, point);
-            object_point(point, colour.map_or(palette.plain_point, opaque))
+            let coloured = scale.of_object(&facts, by, point);
+            let places = [point.place, point.unrefracted].map(shown);
+            scene_point(point.view, places, coloured, palette.plain_point)
         });
         let vessel = outcome.vessel.iter().map(|point| {
-            let colour = scale.of_vessel(by, point);
-            let place = shown(point.place);
-            ScenePoint {
-                view: point.view,
-                place,
-                unrefracted: place,
-                colour: colour.map_or(palette.vessel_point, opaque),
-            }
+            let coloured = scale.of_vessel(by, point);
+            let places = [shown(point.place); 2];
+            scene_point(point.view, places, coloured, palette.vessel_point)
         });
         let up = up(&facts);
         let places: Vec<Vec3> = outcome.vessel.iter().map(|p| shown(p.place)).collect();
@@ -207,12 +203,22 @@ impl Content {
     }
 }
 
-fn object_point(point: &ObjectPoint, colour: [f32; 4]) -> ScenePoint {
+fn scene_point(
+    view: usize,
+    [place, unrefracted]: [Vec3; 2],
+    coloured: Option<([u8; 3], f32)>,
+    plain: [f32; 4],
+) -> ScenePoint {
+    let (colour, fraction) = match coloured {
+        Some((colour, fraction)) => (opaque(colour), fraction),
+        None => (plain, MIDDLE),
+    };
     ScenePoint {
-        view: point.view,
-        place: shown(point.place),
-        unrefracted: shown(point.unrefracted),
+        view,
+        place,
+        unrefracted,
         colour,
+        fraction,
     }
 }
 

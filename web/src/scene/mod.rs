@@ -219,6 +219,7 @@ fn follow(stage: &Stage, workbench: Workbench) {
         true
     });
     Effect::new(move |_| show.get_value().choose(workbench.chosen.get()));
+    Effect::new(move |_| show.get_value().hide_beyond(workbench.shown_range.get()));
     Effect::new(move |_| {
         show.get_value()
             .set_orthographic(workbench.orthographic.get())

@@ -48,6 +48,8 @@ struct Inner {
     refraction: Cell<f32>,
     /// What the refraction is on its way to.
     wanted_refraction: Cell<f32>,
+    /// Points beyond these fractions of the colours are hidden.
+    range: Cell<[f32; 2]>,
     /// What the picture was last fitted to, until a hand moves the camera.
     fitted: Cell<Option<Subject>>,
     frame_asked_for: Cell<bool>,
@@ -101,6 +103,7 @@ impl Stage {
             orbit: Cell::new(Orbit::default()),
             refraction: Cell::new(1.0),
             wanted_refraction: Cell::new(1.0),
+            range: Cell::new([0.0, 1.0]),
             fitted: Cell::new(None),
             frame_asked_for: Cell::new(false),
             last_frame: Cell::new(0.0),
@@ -179,6 +182,12 @@ impl Stage {
         self.fit(Subject::Measured);
     }
 
+    /// Hides points beyond these fractions of the colours.
+    pub(super) fn hide_beyond(&self, range: [f32; 2]) {
+        self.0.range.set(range);
+        self.draw_soon();
+    }
+
     /// With or without perspective.
     pub(super) fn set_orthographic(&self, on: bool) {
         let mut orbit = self.0.orbit.get();
@@ -224,8 +233,10 @@ impl Stage {
             let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
             (clip.w > 0.0).then(|| (x - place.x).hypot(y - place.y))
         };
+        let [low, high] = self.0.range.get();
         let points = set.content.object.iter().chain(&set.content.vessel);
         points
+            .filter(|p| (low..=high).contains(&p.fraction))
             .filter_map(|p| Some((distance(p.between(refraction))?, *p)))
             .filter(|(distance, _)| *distance <= REACH)
             .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -327,6 +338,7 @@ impl Stage {
             size: object_size * scale,
             rim: palette.rim,
             refraction,
+            range: self.0.range.get(),
             ring: false,
         };
         let vessel = PointStyle {
