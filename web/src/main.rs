@@ -11,6 +11,7 @@ mod colours;
 mod files;
 mod history;
 mod legend;
+mod measuring;
 mod number;
 mod pictures;
 mod progress;

@@ -12,6 +12,7 @@ use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
 use crate::history::History;
+use crate::measuring::{Measuring, Picked};
 use crate::run::{
     Facts, FileKind, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Thumbnail,
     sleep,
@@ -102,6 +103,8 @@ pub(crate) struct Workbench {
     pub(crate) pictures: RwSignal<Option<PictureSet>, LocalStorage>,
     /// What the colours mean.
     pub(crate) colour_by: RwSignal<ColourBy>,
+    /// What is being measured in the scene.
+    pub(crate) measuring: RwSignal<Measuring>,
     /// Points beyond these fractions of the colours are hidden.
     pub(crate) shown_range: RwSignal<[f32; 2]>,
     /// The object is shown where it is (1), where it would be without refraction (0), or between.
@@ -136,6 +139,7 @@ impl Workbench {
             chosen: RwSignal::new(None),
             pictures: RwSignal::new_local(None),
             colour_by: RwSignal::new(ColourBy::RayDistance),
+            measuring: RwSignal::new(Measuring::default()),
             shown_range: RwSignal::new([0.0, 1.0]),
             refraction: RwSignal::new(1.0),
             orthographic: RwSignal::new(false),
@@ -275,6 +279,7 @@ impl Workbench {
         self.settings.set(Settings::default());
         self.corrections.set(Vec::new());
         self.history.set(History::default());
+        self.measuring.set(Measuring::default());
         self.measured.set_value(Plan::default());
         self.stage_problem.set(None);
         self.pictures.set(None);
@@ -323,6 +328,31 @@ impl Workbench {
                 Err(problem) => self.fail(problem),
             }
         });
+    }
+
+    /// Picks a point to measure with, or lets go of it.
+    pub(crate) fn pick(self, point: Picked) {
+        if self.measuring.with_untracked(Measuring::is_on) {
+            self.measuring.update(|measuring| measuring.toggle(point));
+        }
+    }
+
+    /// Picks the points of the chosen view.
+    pub(crate) fn pick_chosen(self) {
+        let Some(view) = self.chosen.get_untracked() else {
+            return;
+        };
+        let points = self.outcome.with_untracked(|outcome| {
+            outcome
+                .as_ref()
+                .map_or(0, |outcome| outcome.points_of(view).len())
+        });
+        if points == 1 {
+            self.pick((view, 0));
+        } else if self.measuring.with_untracked(Measuring::is_on) {
+            let points = (0..points).map(|index| (view, index));
+            self.measuring.update(|measuring| measuring.add(points));
+        }
     }
 
     /// A view's picture, small; `None` if the scan is gone by then.

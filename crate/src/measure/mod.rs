@@ -21,6 +21,14 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// A point with its covariance xx, xy, xz, yy, yz, zz, mm^2.
+    pub fn new(place: [f64; 3], [xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Self {
+        Self {
+            point: place.into(),
+            covariance: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+        }
+    }
+
     /// One standard deviation along a unit vector, mm; never 0, as a weight divides by it.
     fn sigma_along(&self, axis: Vector3<f64>) -> f64 {
         const LEAST: f64 = 1e-6;

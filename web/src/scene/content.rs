@@ -13,6 +13,7 @@ use super::palette::Palette;
 use super::patch::Patch;
 use super::points::ScenePoint;
 use crate::colours::{MIDDLE, Scale};
+use crate::measuring::Picked;
 use crate::run::{Facts, Outcome, Place, Shown, StationFacts};
 use crate::state::ColourBy;
 
@@ -31,6 +32,8 @@ pub(super) struct Content {
     pub(super) about_wall: bool,
     /// The view that is chosen.
     pub(super) chosen: Option<usize>,
+    /// The points that are measured with, face by face.
+    pub(super) picked: [Vec<Picked>; 2],
     patch: Option<Patch>,
     grid: Option<Grid>,
 }
@@ -44,15 +47,21 @@ impl Content {
         palette: &Palette,
     ) -> Self {
         let scale = Scale::of(&facts, &outcome, by);
-        let object = outcome.object.iter().map(|point| {
+        let object = outcome.object.iter().enumerate().map(|(index, point)| {
+            let index = index - outcome.views[point.view].points.start;
             let coloured = scale.of_object(&facts, by, point);
             let places = [point.place, point.unrefracted].map(shown);
-            scene_point(point.view, places, coloured, palette.plain_point)
+            scene_point(
+                (point.view, Some(index)),
+                places,
+                coloured,
+                palette.plain_point,
+            )
         });
         let vessel = outcome.vessel.iter().map(|point| {
             let coloured = scale.of_vessel(by, point);
             let places = [shown(point.place); 2];
-            scene_point(point.view, places, coloured, palette.vessel_point)
+            scene_point((point.view, None), places, coloured, palette.vessel_point)
         });
         let up = up(&facts);
         let places: Vec<Vec3> = outcome.vessel.iter().map(|p| shown(p.place)).collect();
@@ -62,6 +71,7 @@ impl Content {
             vessel: vessel.collect(),
             about_wall: by == ColourBy::Residual,
             chosen,
+            picked: Default::default(),
             patch: Some(patch),
             grid: None,
             measured: Some((facts, outcome)),
@@ -152,12 +162,19 @@ impl Content {
     /// A ring around the chosen view's point.
     pub(super) fn marker(&self, palette: &Palette) -> Vec<ScenePoint> {
         let chosen = self.object.iter().filter(|p| Some(p.view) == self.chosen);
-        chosen
-            .map(|point| ScenePoint {
-                colour: palette.marker,
-                ..*point
-            })
-            .collect()
+        let ring = |point: &ScenePoint, colour| ScenePoint { colour, ..*point };
+        let mut rings: Vec<_> = chosen.map(|point| ring(point, palette.marker)).collect();
+        for (face, picked) in self.picked.iter().enumerate() {
+            let is_picked = |p: &&ScenePoint| {
+                p.index
+                    .is_some_and(|index| picked.contains(&(p.view, index)))
+            };
+            if !picked.is_empty() {
+                let points = self.object.iter().filter(is_picked);
+                rings.extend(points.map(|point| ring(point, palette.faces[face])));
+            }
+        }
+        rings
     }
 
     /// The light of the chosen view, on the way from straight (0) to bent (1).
@@ -204,7 +221,7 @@ impl Content {
 }
 
 fn scene_point(
-    view: usize,
+    (view, index): (usize, Option<usize>),
     [place, unrefracted]: [Vec3; 2],
     coloured: Option<([u8; 3], f32)>,
     plain: [f32; 4],
@@ -215,6 +232,7 @@ fn scene_point(
     };
     ScenePoint {
         view,
+        index,
         place,
         unrefracted,
         colour,

@@ -12,6 +12,8 @@ use three_d::{
 pub(super) struct ScenePoint {
     /// The view it comes from.
     pub(super) view: usize,
+    /// Which of the view's points of the object it is; none, if it lies on the wall.
+    pub(super) index: Option<usize>,
     /// Where it is.
     pub(super) place: Vec3,
     /// Where it would be without refraction.

@@ -5,7 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use three_d::{ClearState, Context, CoreError, RenderTarget, Vec2, Vec3, Viewport};
+use three_d::{ClearState, Context, CoreError, InnerSpace, RenderTarget, Vec2, Viewport};
 use wasm_bindgen::prelude::*;
 use web_sys::{
     HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
@@ -19,6 +19,7 @@ use super::lines::Lines;
 use super::orbit::Orbit;
 use super::palette::Palette;
 use super::points::{PointStyle, Points, ScenePoint};
+use crate::measuring::Picked;
 use crate::state::Look;
 
 /// Why there is no stage.
@@ -138,14 +139,22 @@ impl Stage {
         set.displacements.fill(&content.displacements(&palette));
         set.wall.fill(&content.wall_faces(&palette));
         self.0.labels.fill(content.labels());
+        let picked = std::mem::take(&mut set.content.picked);
         set.palette = palette;
         set.content = content;
+        set.content.picked = picked;
         self.draw_soon();
     }
 
     /// Marks a view's point and draws its light.
     pub(super) fn choose(&self, view: Option<usize>) {
         self.0.set.borrow_mut().content.chosen = view;
+        self.draw_soon();
+    }
+
+    /// Rings the points that are measured with.
+    pub(super) fn pick(&self, picked: [Vec<Picked>; 2]) {
+        self.0.set.borrow_mut().content.picked = picked;
         self.draw_soon();
     }
 
@@ -222,25 +231,45 @@ impl Stage {
     /// The point of object or wall that is nearest to a place of the canvas (CSS px), if one is near.
     pub(super) fn point_at(&self, place: Vec2) -> Option<ScenePoint> {
         const REACH: f32 = 14.0;
+        let near = |(at, point): (Vec2, ScenePoint)| {
+            let distance = (at - place).magnitude();
+            (distance <= REACH).then_some((distance, point))
+        };
+        let points = self.seen_points().into_iter().filter_map(near);
+        points
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, point)| point)
+    }
+
+    /// The points between two corners of the canvas (CSS px).
+    pub(super) fn points_within(&self, [one, other]: [Vec2; 2]) -> Vec<ScenePoint> {
+        let between = |at: f32, a: f32, b: f32| (a.min(b)..=a.max(b)).contains(&at);
+        let points = self.seen_points().into_iter();
+        points
+            .filter(|(at, _)| between(at.x, one.x, other.x) && between(at.y, one.y, other.y))
+            .map(|(_, point)| point)
+            .collect()
+    }
+
+    /// All points that are not hidden, with their places on the canvas (CSS px).
+    fn seen_points(&self) -> Vec<(Vec2, ScenePoint)> {
         let size = self.css_size();
         let camera = self.0.orbit.get().camera(self.viewport());
         let matrix = camera.projection() * camera.view();
         let refraction = smooth(self.0.refraction.get());
-        let set = self.0.set.borrow();
-        let distance = |at: Vec3| {
-            let clip = matrix * at.extend(1.0);
+        let [low, high] = self.0.range.get();
+        let place = |point: &ScenePoint| {
+            let clip = matrix * point.between(refraction).extend(1.0);
             let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
             let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
-            (clip.w > 0.0).then(|| (x - place.x).hypot(y - place.y))
+            (clip.w > 0.0).then_some((Vec2::new(x, y), *point))
         };
-        let [low, high] = self.0.range.get();
-        let points = set.content.object.iter().chain(&set.content.vessel);
+        let content = &self.0.set.borrow().content;
+        let points = content.object.iter().chain(&content.vessel);
         points
             .filter(|p| (low..=high).contains(&p.fraction))
-            .filter_map(|p| Some((distance(p.between(refraction))?, *p)))
-            .filter(|(distance, _)| *distance <= REACH)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, point)| point)
+            .filter_map(place)
+            .collect()
     }
 
     /// The canvas's size, CSS px.
