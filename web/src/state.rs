@@ -121,6 +121,8 @@ pub(crate) struct Workbench {
     cancel: StoredValue<Option<AbortHandle>>,
     /// The plan that was measured last, whatever came of it.
     measured: StoredValue<Plan>,
+    /// The plan that gave what is shown.
+    shown: StoredValue<Plan>,
 }
 
 impl Workbench {
@@ -149,6 +151,7 @@ impl Workbench {
             lab: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
+            shown: StoredValue::new(Plan::default()),
         }
     }
 
@@ -292,7 +295,7 @@ impl Workbench {
         {
             self.problem.set(Some(problem.clone()));
         }
-        self.take(outcome);
+        self.take(Plan::default(), outcome);
     }
 
     /// The view in the middle of the scan that has an object point: there is something to see at once.
@@ -468,7 +471,7 @@ impl Workbench {
                 && self.is_current(&lab)
             {
                 self.measured.set_value(plan.clone());
-                self.take(outcome);
+                self.take(plan.clone(), outcome);
             }
         }
         self.rerun.set(None);
@@ -496,9 +499,10 @@ impl Workbench {
     }
 
     /// Shows what was measured. If that failed, what was there before stays.
-    fn take(self, outcome: Result<Outcome, Problem>) {
+    fn take(self, plan: Plan, outcome: Result<Outcome, Problem>) {
         match outcome {
             Ok(outcome) => {
+                self.shown.set_value(plan);
                 self.stage_problem.set(None);
                 self.outcome.set(Some(Arc::new(outcome)));
                 if self.chosen.get_untracked().is_none() {
@@ -510,7 +514,7 @@ impl Workbench {
         }
     }
 
-    /// Writes a file of what is set. Settings that were changed just now are measured first.
+    /// Writes a file of what is shown. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, kind: FileKind) -> Result<String, Problem> {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
@@ -518,7 +522,7 @@ impl Workbench {
         }
         let lab = self.lab.get_value();
         let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
-        lab.write(kind, &self.plan()).await
+        lab.write(kind, &self.shown.get_value()).await
     }
 
     fn is_current(self, lab: &Rc<Lab>) -> bool {

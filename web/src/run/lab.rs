@@ -12,7 +12,7 @@ use web_sys::Blob;
 use super::hand::Hand;
 use super::messages::{FileKind, PictureSet, Thumbnail};
 use super::plan::Plan;
-use super::problem::Problem;
+use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
 
 /// How far the search for spots is.
@@ -71,6 +71,23 @@ impl Lab {
     /// Measures the archive: what a change does not concern is not done again. Dropping the future
     /// ends the work.
     pub(crate) async fn measure(
+        &self,
+        plan: &Plan,
+        tell: impl Fn(Progress),
+    ) -> Result<Outcome, Problem> {
+        let outcome = self.try_to_measure(plan, tell).await;
+        if outcome
+            .as_ref()
+            .is_err_and(|problem| problem.kind == ProblemKind::Own)
+        {
+            // A worker that has failed answers no more; others are started when they are needed.
+            self.observers.take();
+            self.measurer.take();
+        }
+        outcome
+    }
+
+    async fn try_to_measure(
         &self,
         plan: &Plan,
         tell: impl Fn(Progress),

@@ -159,22 +159,37 @@ impl Content {
         self.grid.iter().flat_map(Grid::labels).collect()
     }
 
-    /// A ring around the chosen view's point.
-    pub(super) fn marker(&self, palette: &Palette) -> Vec<ScenePoint> {
-        let chosen = self.object.iter().filter(|p| Some(p.view) == self.chosen);
+    /// A ring around each point of the chosen view, and of those that are measured with.
+    pub(super) fn rings(&self, palette: &Palette) -> Vec<ScenePoint> {
         let ring = |point: &ScenePoint, colour| ScenePoint { colour, ..*point };
+        let chosen = self
+            .chosen
+            .into_iter()
+            .flat_map(|view| self.points_of(view));
         let mut rings: Vec<_> = chosen.map(|point| ring(point, palette.marker)).collect();
         for (face, picked) in self.picked.iter().enumerate() {
-            let is_picked = |p: &&ScenePoint| {
-                p.index
-                    .is_some_and(|index| picked.contains(&(p.view, index)))
-            };
-            if !picked.is_empty() {
-                let points = self.object.iter().filter(is_picked);
-                rings.extend(points.map(|point| ring(point, palette.faces[face])));
-            }
+            let points = picked
+                .iter()
+                .filter_map(|(view, index)| self.points_of(*view).get(*index));
+            rings.extend(points.map(|point| ring(point, palette.faces[face])));
         }
         rings
+    }
+
+    /// The object's points of a view.
+    fn points_of(&self, view: usize) -> &[ScenePoint] {
+        let views = self.measured.iter().flat_map(|(_, outcome)| &outcome.views);
+        let points = views.into_iter().nth(view).map(|view| view.points.clone());
+        points.map_or(&[], |points| &self.object[points])
+    }
+
+    /// How large points are drawn, CSS px: of many each is small.
+    pub(super) fn point_size(&self) -> f32 {
+        match self.object.len() {
+            0..3_000 => 9.0,
+            3_000..30_000 => 5.0,
+            _ => 3.0,
+        }
     }
 
     /// The light of the chosen view, on the way from straight (0) to bent (1).

@@ -354,14 +354,15 @@ impl Stage {
         let refraction = smooth(self.0.refraction.get());
         let set = &mut *self.0.set.borrow_mut();
         let palette = set.palette;
-        set.marker.fill(&set.content.marker(&palette));
+        set.marker.fill(&set.content.rings(&palette));
         set.chosen_light
             .fill(&set.content.chosen_light(&palette, refraction));
 
+        let large = set.content.point_size();
         let (object_size, vessel_size) = if set.content.about_wall {
-            (5.0, 9.0)
+            (0.5 * large, large)
         } else {
-            (9.0, 4.5)
+            (large, 0.5 * large)
         };
         let object = PointStyle {
             size: object_size * scale,
@@ -375,7 +376,7 @@ impl Stage {
             ..object
         };
         let marker = PointStyle {
-            size: 19.0 * scale,
+            size: 2.1 * large * scale,
             ring: true,
             ..object
         };
