@@ -79,8 +79,10 @@ fn a_turned_parameter_runs_its_stage_and_those_after_it() -> Result<()> {
         workbench
             .page
             .click("[data-testid=parameters-object] summary")?;
-        turn(workbench, "object.nearest", "50")?;
-        wait_stage(workbench, "object", "0 points")?;
+        turn(workbench, "object.gap_sigmas", "1")?;
+        let fewer = "!document.querySelector('[data-state=running]:not(html)')
+            && !document.querySelector('[data-testid=summary]').innerText.includes('27 of 27')";
+        page.wait_long(RECONSTRUCTION, "fewer points", fewer)?;
         assert_eq!(stages_that_ran(page)?, ["stage-object"]);
         page.wait_text("[data-testid=parameters-object] summary", "1 changed")?;
 
@@ -89,7 +91,7 @@ fn a_turned_parameter_runs_its_stage_and_those_after_it() -> Result<()> {
             .page
             .click("[data-testid=parameters-spots] summary")?;
         turn(workbench, "spots.smallest_area", "9")?;
-        wait_stage(workbench, "object", "0 points")?;
+        wait_stage(workbench, "spots", "54 found")?;
         page.screenshot("parameters")?;
         let ran = stages_that_ran(page)?;
         ensure!(ran.contains(&"stage-spots".to_owned()), "only {ran:?} ran");
@@ -100,7 +102,7 @@ fn a_turned_parameter_runs_its_stage_and_those_after_it() -> Result<()> {
         assert_eq!(page.value_of(used)?, "9");
 
         workbench.click("reset-spots.smallest_area")?;
-        workbench.click("reset-object.nearest")?;
+        workbench.click("reset-object.gap_sigmas")?;
         wait_stage(workbench, "object", "27 points")?;
         let saved = workbench.download("download-json")?;
         ensure!(
@@ -148,7 +150,7 @@ fn another_shape_of_the_wall_is_tried_judged_and_taken_back_by_keyboard() -> Res
         page.press("f")?;
         wait_stage(workbench, "vessel", "free form, ")?;
         page.click("tr.refused")?;
-        page.tab_to("[data-testid=spots] li")?;
+        page.tab_to("[data-testid=spots] li select")?;
         let note = page.text(&part("spot-note"))?;
         page.screenshot("spot-refused")?;
         let refused = "document.querySelector('tr.refused[aria-selected=true] .reason').innerText";
