@@ -17,6 +17,7 @@ pub mod camera;
 pub mod cli;
 pub mod export;
 pub mod geometry;
+pub mod index;
 pub mod measure;
 pub mod object;
 pub mod optics;

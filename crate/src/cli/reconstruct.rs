@@ -1,8 +1,12 @@
 use std::fs;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use super::{Failure, table, views};
-use crate::export::{ReconstructionResult, Status, object_ply, points_csv, vessel_ply};
+use crate::export::{
+    InsideResult, ReconstructionResult, Status, object_ply, points_csv, vessel_ply,
+};
+use crate::index::IndexMethod;
 use crate::pipeline::{Settings, reconstruct};
 use crate::table::measure;
 
@@ -15,21 +19,84 @@ pub(super) struct Arguments {
     /// The folder that result.json, object.ply, vessel.ply and points.csv are written to
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
-    /// The liquid's refractive index, in place of the scan's
-    #[arg(long, value_name = "N")]
-    index: Option<f64>,
+    /// The liquid's refractive index in place of the scan's, or how to estimate it: a number,
+    /// ray-distance, overlap, known-shape or joint
+    #[arg(long, value_name = "INDEX")]
+    index: Option<WantedIndex>,
     /// Measure with the table of a rig that never moves against its window, and trace no ray
     #[arg(long, value_name = "TABLE.json", conflicts_with = "index")]
     table: Option<PathBuf>,
+    /// Measures views in air or liquid as the scan itself proposes, where scan.json seems wrong
+    #[arg(long)]
+    accept_media: bool,
     /// How many threads read pictures; 0 is one per core
     #[arg(long, default_value_t = 0, value_name = "N")]
     jobs: usize,
 }
 
+/// What `--index` says.
+#[derive(Clone, Copy, Debug)]
+enum WantedIndex {
+    Value(f64),
+    Method(IndexMethod),
+}
+
+impl WantedIndex {
+    const fn value(self) -> Option<f64> {
+        match self {
+            Self::Value(value) => Some(value),
+            Self::Method(_) => None,
+        }
+    }
+
+    const fn method(self) -> Option<IndexMethod> {
+        match self {
+            Self::Value(_) => None,
+            Self::Method(method) => Some(method),
+        }
+    }
+}
+
+impl FromStr for WantedIndex {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = ESTIMATES.into_iter().find(|method| method.name() == text);
+        let value = || text.parse().map(Self::Value);
+        named.map(Self::Method).map_or_else(value, Ok).map_err(|_| {
+            format!(
+                "neither a number nor one of {}",
+                ESTIMATES.map(IndexMethod::name).join(", ")
+            )
+        })
+    }
+}
+
+const ESTIMATES: [IndexMethod; 4] = [
+    IndexMethod::RayDistance,
+    IndexMethod::Overlap,
+    IndexMethod::KnownShape,
+    IndexMethod::Joint,
+];
+
+fn index_line(index: &InsideResult) -> String {
+    match (index.value, index.sigma) {
+        (Some(value), Some(sigma)) => format!(
+            "{value:.4} +- {sigma:.4} by {}, {}",
+            index.method.name(),
+            index.verdict.name()
+        ),
+        (Some(value), None) => value.to_string(),
+        (None, _) => format!("not determined by {}", index.method.name()),
+    }
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.scan;
     let settings = Settings {
-        index: arguments.index,
+        index: arguments.index.and_then(WantedIndex::value),
+        index_method: arguments.index.and_then(WantedIndex::method),
+        accept_media: arguments.accept_media,
         ..Settings::default()
     };
     let archive = views::open(path)?;
@@ -50,7 +117,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let result = reconstruction.result();
     write(arguments, &result)?;
     summarise(&result);
-    Ok(())
+    // Who asks for a method by name and gets no answer is told so by the exit code as well.
+    let index = &reconstruction.index;
+    match (settings.index_method, index.value) {
+        (Some(_), None) => Err(Failure::NotDetermined {
+            path: path.clone(),
+            method: index.method.name(),
+            reason: index.reason.clone().unwrap_or_default(),
+        }),
+        _ => Ok(()),
+    }
 }
 
 fn write(arguments: &Arguments, result: &ReconstructionResult) -> Result<(), Failure> {
@@ -91,9 +167,7 @@ fn summarise(result: &ReconstructionResult) {
         let mean = distances.sum::<f64>() / count as f64;
         eprintln!("  ray distance  {mean:.3} mm on average");
     }
-    if let Some(index) = result.media.inside.value {
-        eprintln!("  index inside  {index}");
-    }
+    eprintln!("  index inside  {}", index_line(&result.media.inside));
     for warning in &result.warnings {
         eprintln!("  warning: {warning}");
     }

@@ -1,8 +1,11 @@
 //! `result.json`: the public format of a reconstruction.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use crate::scan::{LengthUnit, VesselShape};
+use crate::index::{IndexMethod, Verdict};
+use crate::scan::{InsideMedium, LengthUnit, VesselShape};
 use crate::spots::SpotRole;
 
 /// Generates a struct of the result: public, serialisable, with a schema.
@@ -25,24 +28,6 @@ pub enum ReconstructionFormat {
     #[default]
     #[serde(rename = "refractive-reconstruction")]
     RefractiveReconstruction,
-}
-
-/// Where the liquid's index comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum IndexMethod {
-    /// The manifest or the user said it.
-    Given,
-}
-
-/// What the index is worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The manifest or the user said it.
-    Given,
 }
 
 /// What became of a view.
@@ -186,6 +171,12 @@ result! {
         pub method: IndexMethod,
         /// What it is worth.
         pub verdict: Verdict,
+        /// Within it the index lies 95 times in 100, where it was estimated; also where there is no value.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub interval: Option<[f64; 2]>,
+        /// Why the scan cannot tell, and what would let it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub reason: Option<String>,
     }
 
     /// The vessel's wall.
@@ -236,6 +227,12 @@ result! {
         /// Why it has no object point.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+        /// What the beam enters behind the wall, by what was measured, where the manifest says otherwise.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inside_proposed: Option<InsideMedium>,
+        /// What the view was measured in, where a proposal was accepted.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inside: Option<InsideMedium>,
         /// The point on the wall's outer face, world frame, mm.
         pub vessel: OneOrMany<[f64; 3]>,
         /// The point on the object, world frame, mm.
@@ -246,8 +243,31 @@ result! {
         pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
         pub ray_distance: OneOrMany<f64>,
-        /// The spots that were found.
+        /// The spots that were found; of a line laser none, see `line`.
         pub spots: Vec<SpotResult>,
+        /// Of a line laser: the points of its line in the picture.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub line: Option<LineResult>,
+    }
+
+    /// A line laser's line in the picture, px: one point a row or column.
+    pub struct LineResult {
+        /// Where the points of `vessel` are seen, in their order.
+        pub vessel: Vec<[f64; 2]>,
+        /// Where the points of `object` are seen, in their order.
+        pub object: Vec<[f64; 2]>,
+        /// Points that are neither.
+        pub stray: Vec<[f64; 2]>,
+        /// Why points are not the object's, and how many.
+        pub refused: Vec<RefusedResult>,
+    }
+
+    /// Points that were refused alike.
+    pub struct RefusedResult {
+        /// Why.
+        pub reason: String,
+        /// How many points.
+        pub points: usize,
     }
 
     /// A spot.
@@ -259,6 +279,22 @@ result! {
         /// Why it is not the object's.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+    }
+}
+
+impl RefusedResult {
+    /// Equal reasons counted, most frequent first.
+    pub fn alike(reasons: impl Iterator<Item = String>) -> Vec<Self> {
+        let mut counts = BTreeMap::new();
+        for reason in reasons {
+            *counts.entry(reason).or_insert(0) += 1;
+        }
+        let counted = counts.into_iter();
+        let mut refused: Vec<_> = counted
+            .map(|(reason, points)| Self { reason, points })
+            .collect();
+        refused.sort_by_key(|refused| std::cmp::Reverse(refused.points));
+        refused
     }
 }
 

@@ -32,24 +32,30 @@ impl Noise {
 
 /// How the point and the gap change with one number.
 #[derive(Clone, Copy, Debug)]
-struct Slope {
+pub(super) struct Slope {
     point: Vector3<f64>,
     gap: f64,
 }
 
 impl Slope {
-    fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
+    pub(super) fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
         Self {
             point: (ahead.point() - back.point()) / (2.0 * step),
             gap: (ahead.gap() - back.gap()) / (2.0 * step),
         }
     }
+
+    /// How the point changes if something else follows, which alone changes it as `follower` says, so that
+    /// the gap stays.
+    pub(super) fn following(&self, follower: &Self) -> Vector3<f64> {
+        self.point - follower.point * (self.gap / follower.gap)
+    }
 }
 
 /// Steps for the central differences: px, and radians or mm of the wall's parameters. Far above
 /// rounding, far below where the light paths bend noticeably.
-const PIXEL_STEP: f64 = 1e-3;
-const WALL_STEP: f64 = 1e-5;
+pub(super) const PIXEL_STEP: f64 = 1e-3;
+pub(super) const WALL_STEP: f64 = 1e-5;
 
 /// Propagates the centroid's covariance and that of the wall's fit to a point.
 ///
@@ -173,6 +179,33 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<Commo
         }
     }
     sums
+}
+
+/// What an error of the liquid's index, of one standard deviation, would do to the points of each view.
+pub fn index_sigmas(setup: &Setup, pixels: &[Vec<Pixel>], sigma: f64) -> Vec<Vec<CommonSigma>> {
+    const STEP: f64 = 1e-5;
+    let at = |liquid: f64| {
+        let media = Media {
+            liquid,
+            ..setup.media
+        };
+        let wall = &setup.vessel.wall;
+        all_meetings(setup.rig, wall, &media, setup.stations, pixels)
+    };
+    let n = setup.media.liquid;
+    let ends = at(n - STEP).into_iter().zip(at(n + STEP));
+    let one = |(back, ahead): (Option<Meeting>, Option<Meeting>)| {
+        let none = CommonSigma {
+            point: Vector3::zeros(),
+            gap: 0.0,
+        };
+        let both = back.zip(ahead);
+        both.map_or(none, |(back, ahead)| {
+            change(&back, &ahead, sigma / (2.0 * STEP))
+        })
+    };
+    ends.map(|(back, ahead)| back.into_iter().zip(ahead).map(one).collect())
+        .collect()
 }
 
 fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {

@@ -13,7 +13,7 @@ pub struct Correction {
     pub role: SpotRole,
 }
 
-/// Puts into the spots what a person says of them, and nothing that was said before. A correction
+/// Puts into the spots of a beam what a person says of them, and nothing that was said before. A correction
 /// whose spot is no longer found within a few pixels says nothing.
 pub fn correct(spots: &mut [Spots], corrections: &[Correction]) {
     const REACH: f64 = 3.0;

@@ -34,7 +34,11 @@ impl Settings {
             Some(Stage::Spots)
         } else if self.vessel != other.vessel {
             Some(Stage::Vessel)
-        } else if self.object != other.object || self.index != other.index {
+        } else if self.object != other.object
+            || self.accept_media != other.accept_media
+            || (self.index, self.index_method, self.index_range)
+                != (other.index, other.index_method, other.index_range)
+        {
             Some(Stage::Object)
         } else {
             None
@@ -49,7 +53,7 @@ impl PipelineError {
             Self::Scan(_) => Stage::Scan,
             Self::NoSpots { .. } => Stage::Spots,
             Self::Vessel(_) => Stage::Vessel,
-            Self::IndexUnknown | Self::IndexImpossible(_) => Stage::Index,
+            Self::Index(_) | Self::IndexImpossible(_) => Stage::Index,
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
+use crate::index::Verdict;
+use crate::scan::InsideMedium;
 use crate::text::{count, some_of};
 
 impl Reconstruction<'_> {
@@ -9,16 +11,34 @@ impl Reconstruction<'_> {
     pub fn warnings(&self) -> Vec<Warning> {
         let of_scan = self.scan.warnings.iter().cloned();
         let mut warnings: Vec<Warning> = of_scan.map(about(Stage::Scan)).collect();
+        warnings.extend(index(self).map(about(Stage::Index)));
         warnings.extend(statuses(self));
         warnings.extend(saturated(self).map(about(Stage::Spots)));
         let of_vessel = [off_epipolar_line(self), thickness(self), shape(self)];
         warnings.extend(of_vessel.into_iter().flatten().map(about(Stage::Vessel)));
+        warnings.extend(media(self).into_iter().map(about(Stage::Object)));
         warnings
     }
 }
 
 fn about(stage: Stage) -> impl Fn(String) -> Warning {
     move |text| Warning { stage, text }
+}
+
+/// An index that the scan cannot tell, or tells badly.
+fn index(reconstruction: &Reconstruction) -> Option<String> {
+    let index = &reconstruction.index;
+    match (index.verdict, index.sigma) {
+        (Verdict::NotDetermined, _) => Some(format!(
+            "the liquid's refractive index is not determined, so there are no object points in it: {}. Or \
+             give the index, if you know the liquid",
+            index.reason.as_deref().unwrap_or_default()
+        )),
+        (Verdict::Weak, Some(sigma)) => Some(format!(
+            "the liquid's refractive index is weakly determined (standard deviation {sigma:.4})"
+        )),
+        _ => None,
+    }
 }
 
 fn statuses(reconstruction: &Reconstruction) -> Vec<Warning> {
@@ -98,6 +118,34 @@ fn thickness(reconstruction: &Reconstruction) -> Option<String> {
              given"
         )
     })
+}
+
+/// Views that fit another medium far better than the one that the manifest names.
+fn media(reconstruction: &Reconstruction) -> Vec<String> {
+    let kinds = [
+        (InsideMedium::Air, "air", "the liquid"),
+        (InsideMedium::Liquid, "the liquid", "air"),
+    ];
+    let ids = |medium: InsideMedium| -> Vec<&str> {
+        let proposed = reconstruction.inside_proposed.iter();
+        let views = proposed.zip(&reconstruction.scan.manifest.views);
+        views
+            .filter(|(proposed, _)| **proposed == Some(medium))
+            .map(|(_, entry)| entry.id.as_str())
+            .collect()
+    };
+    let warn = |(medium, seems, says): (InsideMedium, &str, &str)| {
+        let ids = ids(medium);
+        (!ids.is_empty()).then(|| {
+            let look = if ids.len() == 1 { "looks" } else { "look" };
+            format!(
+                "{} {look} as if the beam entered {seems}, and scan.json says {says}: {}",
+                count(ids.len(), "view"),
+                some_of(&ids)
+            )
+        })
+    };
+    kinds.into_iter().filter_map(warn).collect()
 }
 
 /// A shape that `auto` chose by a hair.

@@ -5,6 +5,7 @@
 //! lens's blur. Spots on oblique faces come out oblique.
 
 mod ghosts;
+mod ideal;
 mod noise;
 mod render;
 mod scene;
@@ -13,8 +14,8 @@ mod truth;
 
 pub use ghosts::{Ghost, GhostKind, Ghosts};
 pub use scene::{
-    Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Turntable, Vessel,
+    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Scene, SceneError,
+    SceneMedia, SceneObject, Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -24,6 +25,7 @@ use nalgebra::UnitQuaternion;
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
+use crate::rig::{Laser, Rig, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
@@ -76,7 +78,25 @@ impl Simulation {
             solids,
         };
         simulation.note_media()?;
-        Ok(simulation)
+        let rig = simulation
+            .scene
+            .calibration_error
+            .apply(&simulation.scan.rig);
+        Ok(simulation.with_rig(rig))
+    }
+
+    /// The same scene photographed with a range finder other than the manifest says.
+    pub fn with_rig(mut self, rig: Rig) -> Self {
+        self.scan.rig = rig;
+        for station in &mut self.scan.stations {
+            station.world_from_camera = rig.station(&station.world_from_flange);
+        }
+        self
+    }
+
+    /// The range finder that takes the pictures.
+    pub const fn rig(&self) -> &Rig {
+        &self.scan.rig
     }
 
     /// Notes for each view what the beam enters behind the wall.
@@ -219,15 +239,22 @@ impl Simulation {
             && (0.0..=f64::from(camera.height - 1)).contains(&v)
     }
 
-    /// Adds the light of a view's spots, true and false.
+    /// Adds the light of the laser: spots, true and false, or lines.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
+        match &self.scan.rig.laser {
+            Laser::Beam(beam) => self.add_beam(view, beam, exposure),
+            Laser::Sheet(sheet) => self.add_sheet(view, sheet, exposure),
+        }
+    }
+
+    fn add_beam(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
         let false_light = ghosts::of(self, view);
         let on_object = match false_light.object_hidden {
             true => 0.0,
             false => brightness.object,
         };
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
+        for (ray, share) in self.scene.beam.rays(beam) {
             let landing = self.landing(view, &ray);
             let spots = [
                 (landing.outer, 0, brightness.outer_face),
@@ -250,6 +277,51 @@ impl Simulation {
                 ghost.light,
             );
         }
+    }
+
+    /// Draws the lines ray by ray: each ray's light is spread over its way from the ray before it.
+    fn add_sheet(&self, view: usize, sheet: &Sheet, exposure: &mut Exposure) {
+        /// Rays that land farther apart, px, are on different surfaces.
+        const CONNECTED: f64 = 4.0;
+        let fan = self.scene.beam.fan(sheet, &self.scan.rig.camera);
+        let brightness = &self.scene.brightness;
+        let lights = [
+            brightness.outer_face,
+            brightness.inner_face,
+            brightness.object,
+            brightness.back,
+        ];
+        let mut before = vec![[None; 4]; fan.first().map_or(0, Vec::len)];
+        for rays in &fan {
+            for ((ray, share), before) in rays.iter().zip(&mut before) {
+                let pixels = self.glows(view, ray);
+                let steps = pixels.iter().zip(*before).zip(lights);
+                for ((pixel, before), light) in steps {
+                    let Some((pixel, before)) = pixel.zip(before) else {
+                        continue;
+                    };
+                    let way = pixel.distance(before);
+                    if way < CONNECTED {
+                        exposure.add_spot(pixel, self.scene.beam.blur, share * light * way);
+                    }
+                }
+                *before = pixels;
+            }
+        }
+    }
+
+    /// Where the camera sees a ray's light on the outer face, the inner face, the object and the vessel's
+    /// back.
+    fn glows(&self, view: usize, ray: &Ray<Camera>) -> [Option<Pixel>; 4] {
+        let landing = self.landing(view, ray);
+        let back = landing.back.filter(|_| self.scene.brightness.back > 0.0);
+        let places = [
+            (landing.outer, 0),
+            (landing.inner, 1),
+            (landing.object, 2),
+            (back, 2),
+        ];
+        places.map(|(point, faces)| self.seen(view, point?, faces))
     }
 }
 

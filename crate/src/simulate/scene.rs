@@ -4,11 +4,13 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::{Ghosts, Solid, rotation_from_degrees};
+use crate::camera::Intrinsics;
 use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
 use crate::optics::{Cylinder, Sphere, Surface};
+use crate::rig::{Calibration, Rig, Sheet};
 use crate::scan::{
-    CameraEntry, InsideMedium, LaserEntry, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry,
-    ScanError, ScanFormat, VesselEntry, VesselShape,
+    CalibrationSigmaEntry, CameraEntry, InsideMedium, KnownShape, LaserEntry, LengthUnit, Manifest,
+    MediaEntry, Motion, PoseEntry, ScanError, ScanFormat, VesselEntry, VesselShape,
 };
 use crate::vessel::Wall;
 
@@ -76,6 +78,15 @@ pub struct Scene {
     /// The spots' light.
     #[serde(default)]
     pub brightness: Brightness,
+    /// How the true range finder differs from what the manifest says of it.
+    #[serde(default)]
+    pub calibration_error: CalibrationError,
+    /// What calibration is worth, as in `scan.json`.
+    #[serde(default)]
+    pub calibration_sigma: Option<CalibrationSigmaEntry>,
+    /// What is known of the object, as in `scan.json`.
+    #[serde(default)]
+    pub known: Vec<KnownShape>,
     /// The light of the room.
     #[serde(default)]
     pub ambient: Ambient,
@@ -191,8 +202,10 @@ pub struct Sweep {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BeamProfile {
-    /// Standard deviation of the beam's Gaussian cross-section, mm.
+    /// Standard deviation of the beam's Gaussian cross-section, or of the sheet's thickness, mm.
     pub sigma: f64,
+    /// How far the fan of a line laser opens, degrees.
+    pub fan: f64,
     /// Standard deviation of the lens's blur, px.
     pub blur: f64,
 }
@@ -201,12 +214,13 @@ impl Default for BeamProfile {
     fn default() -> Self {
         Self {
             sigma: 0.25,
+            fan: 40.0,
             blur: 0.9,
         }
     }
 }
 
-/// The light of the spots: grey values summed over their pixels.
+/// The light of the spots: grey values summed over their pixels; of a line, over a profile across it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Brightness {
@@ -228,6 +242,68 @@ impl Default for Brightness {
             object: 900.0,
             back: 0.0,
         }
+    }
+}
+
+/// An error of calibration: truth less manifest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrationError {
+    /// mm.
+    pub laser_origin: [f64; 3],
+    /// Degrees: within the plane of the beam and the camera's centre, away from the camera's axis; and
+    /// across it.
+    pub laser_direction: [f64; 2],
+    /// px: across, down.
+    pub focal_length: [f64; 2],
+    /// px: across, down.
+    pub principal_point: [f64; 2],
+    /// Degrees, about the camera's axes.
+    pub hand_eye_rotation: [f64; 3],
+    /// mm.
+    pub hand_eye_translation: [f64; 3],
+}
+
+impl CalibrationError {
+    /// The true range finder.
+    pub fn apply(&self, rig: &Rig) -> Rig {
+        let steps = [
+            (Calibration::FocalLength(0), self.focal_length[0]),
+            (Calibration::FocalLength(1), self.focal_length[1]),
+            (Calibration::PrincipalPoint(0), self.principal_point[0]),
+            (Calibration::PrincipalPoint(1), self.principal_point[1]),
+        ];
+        let along = |axis: usize| {
+            [
+                (Calibration::LaserOrigin(axis), self.laser_origin[axis]),
+                (
+                    Calibration::HandEyeRotation(axis),
+                    self.hand_eye_rotation[axis].to_radians(),
+                ),
+                (
+                    Calibration::HandEyeTranslation(axis),
+                    self.hand_eye_translation[axis],
+                ),
+            ]
+        };
+        let all = self.tilts(rig).into_iter().chain(steps);
+        all.chain((0..3).flat_map(along))
+            .fold(*rig, |rig, (number, step)| number.nudge(&rig, step))
+    }
+
+    /// The error of the laser's direction as tilts towards its two tangents.
+    fn tilts(&self, rig: &Rig) -> [(Calibration, f64); 2] {
+        let axis = rig.laser.axis();
+        let (u, v) = axis.direction.tangents();
+        let across = axis.origin.coords.cross(&axis.direction.vector());
+        let across = across.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let within = axis.direction.vector().cross(&across);
+        let [a, b] = self.laser_direction.map(f64::to_radians);
+        let tilt = within * a + across * b;
+        [
+            (Calibration::LaserDirection(0), tilt.dot(&u)),
+            (Calibration::LaserDirection(1), tilt.dot(&v)),
+        ]
     }
 }
 
@@ -288,6 +364,7 @@ impl Scene {
         };
         positive(self.beam.sigma, "beam.sigma")?;
         positive(self.beam.blur, "beam.blur")?;
+        positive(self.beam.fan, "beam.fan")?;
         positive(self.vessel.half_size[0], "vessel.half_size")?;
         positive(self.vessel.half_size[1], "vessel.half_size")?;
         let dark = |value: f64, key| {
@@ -321,7 +398,7 @@ impl Scene {
             camera: self.camera.clone(),
             laser: self.laser.clone(),
             flange_from_camera: self.flange_from_camera.clone(),
-            calibration_sigma: None,
+            calibration_sigma: self.calibration_sigma.clone(),
             vessel: VesselEntry {
                 shape: self.vessel.declared.unwrap_or(self.vessel.shape),
                 wall_thickness: self.vessel.wall_thickness,
@@ -340,7 +417,7 @@ impl Scene {
                 inside: self.index_known.then_some(self.media.inside),
                 extra: Default::default(),
             },
-            known: Vec::new(),
+            known: self.known.clone(),
             views: Vec::new(),
             extra: Default::default(),
         })
@@ -445,6 +522,30 @@ impl Scene {
 }
 
 impl BeamProfile {
+    /// The rays of a sheet's fan, fine enough for a picture to show an even line, in their order along
+    /// it: at each angle those through the sheet's thickness with their shares of the light, which add up
+    /// to 1.
+    pub(super) fn fan(&self, sheet: &Sheet, camera: &Intrinsics) -> Vec<Vec<(Ray<Camera>, f64)>> {
+        /// Millimetres of light a radian apart are about the focal length in pixels apart.
+        const PER_PIXEL: f64 = 1.5;
+        const HALF: i32 = 3;
+        const REACH: f64 = 2.5;
+        let opening = self.fan.to_radians();
+        let steps = (opening * camera.mean_focal() * PER_PIXEL).ceil();
+        let offsets = (-HALF..=HALF).map(|i| f64::from(i) * REACH / f64::from(HALF));
+        let shares: Vec<(f64, f64)> = offsets.map(|z| (z, libm::exp(-0.5 * z * z))).collect();
+        let total: f64 = shares.iter().map(|(_, share)| share).sum();
+        let at = |step: usize| {
+            let ray = sheet.ray_at((step as f64 / steps - 0.5) * opening);
+            let beside = |(z, share): &(f64, f64)| {
+                let origin = ray.origin + sheet.normal * (z * self.sigma);
+                (Ray::new(origin, ray.direction), share / total)
+            };
+            shares.iter().map(beside).collect()
+        };
+        (0..=steps as usize).map(at).collect()
+    }
+
     /// The beam as a bundle of parallel rays with their shares of the light, which add up to 1.
     pub(super) fn rays(&self, beam: &Ray<Camera>) -> Vec<(Ray<Camera>, f64)> {
         const HALF: i32 = 4;

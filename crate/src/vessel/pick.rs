@@ -1,7 +1,7 @@
 //! Which of a view's spots may lie on the wall.
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Point};
+use crate::geometry::{Camera, Direction, Point};
 use crate::rig::{LitPoint, Rig};
 use crate::spots::{Spot, SpotRole, Spots};
 
@@ -16,8 +16,10 @@ pub(super) struct Candidate {
     pub(super) along: f64,
     /// One standard deviation of that from the centroid's noise, mm.
     pub(super) sigma: f64,
-    /// How far off the epipolar line, px, with a sign.
-    pub(super) off_line: f64,
+    /// Which way such an error moves the point.
+    pub(super) way: Direction<Camera>,
+    /// How far off the epipolar line, px, with a sign; a sheet has none.
+    pub(super) off_line: Option<f64>,
     /// Whether a person says that it lies on the wall.
     pub(super) said: bool,
 }
@@ -33,7 +35,7 @@ pub(super) fn along_epipolar_line(rig: &Rig, spots: &Spots, tolerance: f64) -> V
             let said = spots.said_of(index).is_some();
             candidate(rig, index, spot, said)
         })
-        .filter(|c| c.said || c.off_line.abs() <= tolerance)
+        .filter(|c| c.said || c.off_line.is_some_and(|off| off.abs() <= tolerance))
         .collect();
     candidates.sort_by(|a, b| b.said.cmp(&a.said).then(a.along.total_cmp(&b.along)));
     candidates
@@ -46,7 +48,8 @@ fn candidate(rig: &Rig, index: usize, spot: &Spot, said: bool) -> Option<Candida
         point: here.point,
         along: here.along,
         sigma: sigma_along(rig, spot, 0.0)?,
-        off_line: here.off_line * rig.camera.mean_focal(),
+        way: rig.laser.ray_to(here.point)?.direction,
+        off_line: here.off_line.map(|off| off * rig.camera.mean_focal()),
         said,
     })
 }

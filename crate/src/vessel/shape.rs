@@ -32,6 +32,20 @@ pub(super) fn fit(
     }
 }
 
+/// The surface of a shape through points of which more than half lie on it; `None` where there is none.
+pub fn fit_shape(
+    points: &[WeightedPoint<World>],
+    front: Point<World>,
+    shape: VesselShape,
+) -> Option<Surface> {
+    fit(points, front, shape).ok().map(|(fit, _)| fit.surface)
+}
+
+/// A surface fitted to points once more, from near where it is.
+pub fn refit_shape(points: &[WeightedPoint<World>], near: &Surface) -> Option<Surface> {
+    refit(points, near).map(|fit| fit.surface)
+}
+
 fn fit_one(
     points: &[WeightedPoint<World>],
     front: Point<World>,

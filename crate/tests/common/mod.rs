@@ -12,6 +12,8 @@
 #[cfg(feature = "simulate")]
 pub mod archives;
 pub mod pictures;
+#[cfg(feature = "simulate")]
+pub mod synthetic;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};

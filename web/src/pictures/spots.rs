@@ -19,6 +19,38 @@ const NOTED: &str = "picture-on";
 /// focus.
 #[component]
 pub(super) fn SpotList(sheet: Sheet) -> impl IntoView {
+    let is_line = move || {
+        sheet.workbench.facts.with(|facts| {
+            facts
+                .as_ref()
+                .is_some_and(|facts| facts.epipolar_line.is_empty())
+        })
+    };
+    view! {
+        <Show when=is_line fallback=move || view! { <Spots sheet /> }>
+            <LineCounts sheet />
+        </Show>
+    }
+}
+
+/// How many points of a line are what: nobody reads them one by one.
+#[component]
+fn LineCounts(sheet: Sheet) -> impl IntoView {
+    let counted = move || {
+        let spots = sheet.spots.get();
+        let count = |role| spots.iter().filter(|spot| spot.role == role).count();
+        let [wall, object, stray] = ROLES.map(count);
+        format!("Points of the line: {wall} on the wall, {object} on the object, {stray} stray")
+    };
+    view! {
+        <p class="help" data-testid="spots">
+            {counted}
+        </p>
+    }
+}
+
+#[component]
+fn Spots(sheet: Sheet) -> impl IntoView {
     let count = Memo::new(move |_| sheet.spots.with(|spots| spots.len()));
     let lines = move || 0..count.get().min(MOST_LISTED);
     let more = move || count.get().saturating_sub(MOST_LISTED);

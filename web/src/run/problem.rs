@@ -41,6 +41,19 @@ impl Problem {
         }
     }
 
+    /// The scan does not tell the liquid's index.
+    pub(crate) fn index_wanted(reason: Option<&str>) -> Self {
+        Self {
+            kind: ProblemKind::IndexWanted,
+            stage: Some(Stage::Index),
+            cause: format!(
+                "The scan does not determine the liquid's refractive index: {}.",
+                reason.unwrap_or("nothing in it depends on the index")
+            ),
+            next_step: "Give the liquid's refractive index below.".to_owned(),
+        }
+    }
+
     /// The program is at fault.
     pub(crate) fn own(cause: impl Into<String>) -> Self {
         Self {
@@ -85,9 +98,9 @@ impl From<PipelineError> for Problem {
         let stage = Some(error.stage());
         let (kind, next_step) = match error {
             PipelineError::Scan(error) => return error.into(),
-            PipelineError::IndexUnknown => (
+            PipelineError::Index(_) => (
                 ProblemKind::IndexWanted,
-                "Give the liquid's refractive index below.",
+                "Correct this in scan.json, or give the liquid's refractive index below.",
             ),
             PipelineError::IndexImpossible(_) => (
                 ProblemKind::IndexImpossible,

@@ -106,6 +106,11 @@ impl Desk {
         correct(&mut self.spots, &plan.corrections);
         let scan = self.archive()?.scan().clone();
         let reconstruction = reconstruct(&scan, &self.spots, &plan.settings)?;
+        if reconstruction.index.value.is_none() {
+            return Err(Problem::index_wanted(
+                reconstruction.index.reason.as_deref(),
+            ));
+        }
         let outcome = Outcome::of(&reconstruction);
         self.result = Some(reconstruction.result());
         Ok(Reply::Measured(Box::new(outcome)))
