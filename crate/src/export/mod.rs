@@ -8,7 +8,7 @@ pub use crate::spots::SpotRole;
 pub use csv::points_csv;
 pub use ply::{object_ply, vessel_ply};
 pub use result::{
-    GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
     ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, Status, VesselResult,
     ViewResult, WallResult,
 };

@@ -106,14 +106,22 @@ pub enum WallResult {
         /// Millimetres.
         radius: f64,
     },
-    /// Any smooth wall: a uniform bicubic B-spline of heights over a reference plane. The control point in
-    /// column i and row j belongs to the place `start + ((i - 1) step[0], (j - 1) step[1])`.
+    /// Any smooth wall: a uniform bicubic B-spline of heights over a simple surface. Places on that are
+    /// lengths from `origin`: along both tangents (plane); around the axis, which is the second tangent,
+    /// and along it (cylinder); as longitude times radius and latitude times radius, with the second
+    /// tangent towards the pole (sphere). The control point in column i and row j belongs to the place
+    /// `start + ((i - 1) step[0], (j - 1) step[1])`.
     Freeform {
-        /// The reference plane's origin, mm.
+        /// What the heights stand on.
+        base: BaseResult,
+        /// Its radius, mm, if it is round.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        radius: Option<f64>,
+        /// A point of it, mm.
         origin: [f64; 3],
-        /// Its unit normal towards the rig.
+        /// Its unit normal there, towards the rig.
         normal: [f64; 3],
-        /// The unit vectors that places are counted along.
+        /// The unit vectors there that places are counted along.
         tangents: [[f64; 3]; 2],
         /// The grid's first place, mm.
         start: [f64; 2],
@@ -128,6 +136,19 @@ pub enum WallResult {
         /// The corners of the measured patch; beyond it there is no wall.
         patch: Vec<[f64; 2]>,
     },
+}
+
+/// The simple surface that a free form's heights stand on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum BaseResult {
+    /// Flat.
+    Plane,
+    /// Round about an axis.
+    Cylinder,
+    /// Round about a centre.
+    Sphere,
 }
 
 result! {

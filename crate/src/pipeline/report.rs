@@ -2,12 +2,12 @@
 
 use super::Reconstruction;
 use crate::export::{
-    GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
     ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
     VesselResult, ViewResult, WallResult,
 };
 use crate::object::{Choice, ObjectPoint};
-use crate::optics::{Freeform, Surface};
+use crate::optics::{BaseShape, Freeform, Surface};
 use crate::rig::Laser;
 use crate::scan::LengthUnit;
 
@@ -191,11 +191,17 @@ impl Reconstruction<'_> {
 /// A free-form wall as the spline that it is.
 fn freeform_result(freeform: &Freeform) -> WallResult {
     let sheet = freeform.sheet();
-    let (u, v) = sheet.reference.normal.tangents();
+    let (base, radius) = match sheet.base.shape {
+        BaseShape::Plane => (BaseResult::Plane, None),
+        BaseShape::Cylinder { radius } => (BaseResult::Cylinder, Some(radius)),
+        BaseShape::Sphere { radius } => (BaseResult::Sphere, Some(radius)),
+    };
     WallResult::Freeform {
-        origin: sheet.reference.point.to_array(),
-        normal: sheet.reference.normal.vector().into(),
-        tangents: [u.into(), v.into()],
+        base,
+        radius,
+        origin: sheet.base.origin.to_array(),
+        normal: sheet.base.normal.vector().into(),
+        tangents: sheet.base.tangents.map(Into::into),
         start: sheet.grid.start.into(),
         step: sheet.grid.step.into(),
         columns: sheet.grid.columns,

@@ -3,7 +3,7 @@
 use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
 use crate::index::Verdict;
-use crate::scan::InsideMedium;
+use crate::scan::{InsideMedium, VesselShape};
 use crate::text::{count, some_of};
 
 impl Reconstruction<'_> {
@@ -148,13 +148,14 @@ fn media(reconstruction: &Reconstruction) -> Vec<String> {
     kinds.into_iter().filter_map(warn).collect()
 }
 
-/// A shape that `auto` chose by a hair.
+/// A shape that `auto` chose by a hair. A free form can be anything, so it is never far from a simple shape
+/// that is right.
 fn shape(reconstruction: &Reconstruction) -> Option<String> {
     const SETTLED: f64 = 10.0;
     let choice = reconstruction
         .vessel
         .choice
-        .filter(|choice| choice.margin < SETTLED)?;
+        .filter(|choice| choice.margin < SETTLED && choice.runner_up != VesselShape::Freeform)?;
     Some(
         format!(
             "the vessel points support a {:?} hardly better than a {:?}; give vessel.shape if you know it",

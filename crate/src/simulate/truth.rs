@@ -74,10 +74,16 @@ fn beam_truth(simulation: &Simulation, view: usize, beam: &Ray<Camera>) -> Truth
     let landing = simulation.landing(view, beam);
     let false_light = ghosts::of(simulation, view);
     let back_shows = simulation.scene.brightness.back > 0.0;
-    let vessel = seen(simulation, view, landing.outer, 0);
+    let behind = simulation.faces();
+    let vessel = seen(simulation, view, landing.faces.first().copied(), 0);
     let object = landing.object.filter(|_| !false_light.object_hidden);
-    let object = seen(simulation, view, object, 2);
-    let back = seen(simulation, view, landing.back.filter(|_| back_shows), 2);
+    let object = seen(simulation, view, object, behind);
+    let back = seen(
+        simulation,
+        view,
+        landing.back.filter(|_| back_shows),
+        behind,
+    );
     TruthView {
         id: simulation.manifest().views[view].id.clone(),
         vessel: OneOrMany::One(vessel.map(|(place, _)| place)),
@@ -97,8 +103,9 @@ fn sheet_truth(simulation: &Simulation, view: usize, sheet: &Sheet) -> TruthView
         .fan(sheet, &simulation.scan.rig.camera);
     let middles = fan.iter().map(|rays| &rays[rays.len() / 2].0);
     let landings: Vec<_> = middles.map(|ray| simulation.landing(view, ray)).collect();
-    let vessel = landings.iter().map(|l| seen(simulation, view, l.outer, 0));
-    let object = landings.iter().map(|l| seen(simulation, view, l.object, 2));
+    let seen = |point, faces| seen(simulation, view, point, faces);
+    let vessel = landings.iter().map(|l| seen(l.faces.first().copied(), 0));
+    let object = landings.iter().map(|l| seen(l.object, simulation.faces()));
     let (vessel, vessel_pixel) = vessel.flatten().unzip();
     let (object, object_pixel) = object.flatten().unzip();
     TruthView {

@@ -14,6 +14,8 @@ pub mod archives;
 pub mod pictures;
 #[cfg(feature = "simulate")]
 pub mod synthetic;
+#[cfg(feature = "simulate")]
+pub mod walls;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
