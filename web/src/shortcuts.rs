@@ -73,10 +73,10 @@ const SHORTCUTS: [Shortcut; 21] = [
         },
     ),
     anywhere("1", "Look from the rig", plain("1"), |w| {
-        look(w, Look::Front)
+        look(w, Look::Front);
     }),
     anywhere("3", "Look from the side", plain("3"), |w| {
-        look(w, Look::Side)
+        look(w, Look::Side);
     }),
     anywhere("7", "Look from above", plain("7"), |w| look(w, Look::Above)),
     anywhere("5", "With or without perspective", plain("5"), |w| {

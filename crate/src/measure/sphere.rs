@@ -28,7 +28,8 @@ pub fn sphere_radius(samples: &[Sample]) -> Result<Measured, MeasureError> {
         }
     }
     let freedom = (samples.len() - 4).max(1) as f64;
-    let chi: f64 = samples.iter().map(|s| residual(s, &ball).powi(2)).sum();
+    let residuals = samples.iter().map(|sample| residual(sample, &ball));
+    let chi: f64 = residuals.map(|r| r * r).sum();
     let covariance = information.try_inverse().ok_or(MeasureError::NoRadius)?;
     let sigma = (covariance[(3, 3)] * (chi / freedom).max(1.0)).sqrt();
     if ball.radius > 0.0 && sigma < ball.radius {

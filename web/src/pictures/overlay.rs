@@ -120,7 +120,7 @@ fn mark(
 /// What is to be said of the spot that is pointed at. It stands where the spot is not.
 #[component]
 pub(super) fn Note(sheet: Sheet, of_picture: &'static str) -> impl IntoView {
-    let note = move || {
+    move || {
         let spots = sheet.spots.get();
         let (index, _) = sheet
             .pointed
@@ -135,8 +135,7 @@ pub(super) fn Note(sheet: Sheet, of_picture: &'static str) -> impl IntoView {
                 {spot.reason.map(|reason| format!(": {reason}"))}
             </p>
         })
-    };
-    note
+    }
 }
 
 /// The wall's name stands to the left above its mark, the others' to the right below: the spots are often

@@ -241,12 +241,12 @@ fn follow(stage: &Stage, workbench: Workbench) {
     Effect::new(move |_| show.get_value().choose(workbench.chosen.get()));
     Effect::new(move |_| {
         show.get_value()
-            .pick(workbench.measuring.with(|m| m.faces().clone()))
+            .pick(workbench.measuring.with(|m| m.faces().clone()));
     });
     Effect::new(move |_| show.get_value().hide_beyond(workbench.shown_range.get()));
     Effect::new(move |_| {
         show.get_value()
-            .set_orthographic(workbench.orthographic.get())
+            .set_orthographic(workbench.orthographic.get());
     });
     Effect::new(move |_| {
         let Some(command) = workbench.command.get() else {
