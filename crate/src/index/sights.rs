@@ -42,13 +42,19 @@ pub struct Sights {
     pub sweep_of: Vec<usize>,
 }
 
+/// Some points of a view, evenly along its line: neighbours say the same of the index. A beam has one.
+fn some<T>(points: &[T]) -> impl Iterator<Item = &T> {
+    const MOST: usize = 24;
+    points.iter().step_by(points.len().div_ceil(MOST).max(1))
+}
+
 impl Sights {
     /// Gathers them from what vessel and object were found to be.
     pub fn new(setup: &Setup, spots: &[Spots], choices: &[Choice]) -> Self {
         let grain = object_grain(setup, choices);
         let vessel = setup.vessel.points.iter().enumerate();
         let vessel = vessel.flat_map(|(view, points)| {
-            points.iter().map(move |point| VesselSight {
+            some(points).map(move |point| VesselSight {
                 view,
                 pixel: point.pixel,
                 glow_offset: point.glow_offset,
@@ -57,7 +63,7 @@ impl Sights {
         });
         let in_liquid = |view: &usize| setup.stations[*view].inside == InsideMedium::Liquid;
         let object = (0..choices.len()).filter(in_liquid).flat_map(|view| {
-            choices[view].points.iter().map(move |point| {
+            some(&choices[view].points).map(move |point| {
                 let spot = &spots[view].spots[point.spot];
                 ObjectSight {
                     view,

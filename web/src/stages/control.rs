@@ -6,7 +6,7 @@ use snellius::pipeline::{NumberParameter, PARAMETERS, Parameter, ParameterKind, 
 use crate::state::Workbench;
 
 /// Reads a parameter.
-type Get<T> = fn(&Settings) -> T;
+type Getter<T> = fn(&Settings) -> T;
 
 /// The choices of a stage: they are seen at once.
 #[component]
@@ -149,7 +149,7 @@ fn number_field(
 fn switch_field(
     workbench: Workbench,
     parameter: &'static Parameter,
-    (get, set): (Get<bool>, fn(&mut Settings, bool)),
+    (get, set): (Getter<bool>, fn(&mut Settings, bool)),
 ) -> impl IntoView {
     let turn = move |event| {
         let on = event_target_checked(&event);
@@ -176,7 +176,7 @@ fn choice_field(
     workbench: Workbench,
     parameter: &'static Parameter,
     options: &'static [(&'static str, &'static str)],
-    (get, set): (Get<&'static str>, fn(&mut Settings, &str)),
+    (get, set): (Getter<&'static str>, fn(&mut Settings, &str)),
 ) -> impl IntoView {
     let choose = move |event| {
         let word = event_target_value(&event);
