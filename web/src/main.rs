@@ -11,6 +11,7 @@ mod colours;
 mod files;
 mod history;
 mod legend;
+mod measuring;
 mod number;
 mod pictures;
 mod progress;
@@ -21,6 +22,7 @@ mod shortcuts;
 mod stages;
 mod start;
 mod state;
+mod strip;
 mod table;
 
 use wasm_bindgen::JsCast;

@@ -4,10 +4,11 @@ mod csv;
 mod ply;
 mod result;
 
+pub use crate::spots::SpotRole;
 pub use csv::points_csv;
 pub use ply::{object_ply, vessel_ply};
 pub use result::{
     BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
-    VesselResult, ViewResult, WallResult,
+    ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, Status, VesselResult,
+    ViewResult, WallResult,
 };

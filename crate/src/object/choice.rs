@@ -11,7 +11,7 @@ use crate::optics::{TotalReflection, TraceProblem};
 use crate::rig::Laser;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
-use crate::spots::{Spot, Spots};
+use crate::spots::{Spot, SpotRole, Spots};
 
 /// How object points are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -217,8 +217,31 @@ pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) ->
     };
     let mut choices = choose(setup, judged);
     back::refuse(setup, &mut choices);
+    insist(&candidates, spots, &mut choices);
     count_grain(setup, spots, &mut choices);
     choices
+}
+
+/// A spot of which a person says that it is the object's is taken, whatever speaks against it, if its
+/// light paths meet behind the wall.
+fn insist(candidates: &[Vec<Candidate>], spots: &[Spots], choices: &mut [Choice]) {
+    for ((candidates, spots), choice) in candidates.iter().zip(spots).zip(choices) {
+        let said = candidates
+            .iter()
+            .find(|c| spots.said_of(c.spot) == Some(SpotRole::Object));
+        let Some((spot, Ok((meeting, noise)))) = said.map(|c| (c.spot, c.outcome.clone())) else {
+            continue;
+        };
+        let others = choice.points.drain(..).filter(|point| point.spot != spot);
+        let outdone = others.map(|point| (point.spot, Refusal::Outdone(None)));
+        choice.refused.extend(outdone);
+        choice.refused.retain(|(refused, _)| *refused != spot);
+        choice.points.push(ObjectPoint {
+            spot,
+            meeting,
+            noise,
+        });
+    }
 }
 
 /// The grain of laser light as the chosen spots show it (see [`Spot::covariance_with`]); where they are
@@ -258,7 +281,8 @@ fn candidates(
     settings: &ObjectSettings,
 ) -> Vec<Candidate> {
     let taken = |spot: usize| setup.vessel.points[view].iter().any(|p| p.spot == spot);
-    let free = spots.spots.iter().enumerate().filter(|(i, _)| !taken(*i));
+    let may_be = |spot: usize| !taken(spot) && spots.may_be(spot, SpotRole::Object);
+    let free = spots.spots.iter().enumerate().filter(|(i, _)| may_be(*i));
     free.map(|(index, spot)| Candidate {
         spot: index,
         pixel: spot.pixel(),

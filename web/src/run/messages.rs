@@ -10,6 +10,7 @@ use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -40,9 +41,11 @@ pub(crate) enum Request {
     /// Keep the spots of all views. Answered by `Kept`.
     Keep(Vec<Spots>),
     /// Measure vessel and object from the spots kept. Answered by `Measured`.
-    Measure(Settings),
+    Measure(Box<Plan>),
     /// Decode the pictures of a view. Answered by `Pictures`.
     Pictures { view: usize },
+    /// Decode a view's picture, small. Answered by `Thumbnail`.
+    Thumbnail { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(FileKind),
 }
@@ -57,6 +60,7 @@ pub(crate) enum Reply {
     Kept,
     Measured(Box<Outcome>),
     Pictures(PictureSet),
+    Thumbnail(Thumbnail),
     Written(String),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
@@ -69,6 +73,7 @@ impl Reply {
     pub(crate) fn transfer(&self) -> Array {
         match self {
             Self::Pictures(set) => set.buffers(),
+            Self::Thumbnail(thumbnail) => Array::of1(&thumbnail.pixels.buffer()),
             _ => Array::new(),
         }
     }
@@ -81,6 +86,15 @@ pub(crate) enum FileKind {
     Object,
     Vessel,
     Table,
+}
+
+/// A view's picture with the laser on, small: RGBA, row by row.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct Thumbnail {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) pixels: Uint8ClampedArray,
 }
 
 /// The grey values of a pixel.
