@@ -132,7 +132,7 @@ impl Sheet {
     }
 
     /// The sheet's point at a place and its unit normal there.
-    fn at(&self, place: Vector2<f64>) -> (Point<World>, Direction<World>) {
+    pub fn at(&self, place: Vector2<f64>) -> (Point<World>, Direction<World>) {
         let height = self.height(place);
         let (u, v) = self.reference.normal.tangents();
         let n = self.reference.normal.vector();

@@ -17,12 +17,16 @@
 
 mod index;
 mod light;
+mod parameters;
 mod report;
+mod stage;
 mod summary;
 mod warnings;
 
 pub use index::{InsideIndex, study_index};
 pub use light::LightPaths;
+pub use parameters::{NumberParameter, PARAMETERS, Parameter, ParameterKind, parameters_page};
+pub use stage::{Stage, Warning};
 pub use summary::Summary;
 
 use std::io::{Read, Seek};

@@ -1,6 +1,6 @@
 //! From a reconstruction to its public format.
 
-use super::{Reconstruction, warnings};
+use super::Reconstruction;
 use crate::export::{
     GlowResult, InsideResult, MediaResult, OneOrMany, ReconstructionFormat, ReconstructionResult,
     ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult, ViewResult, WallResult,
@@ -35,7 +35,7 @@ impl Reconstruction<'_> {
             views: (0..manifest.views.len())
                 .map(|view| self.view_result(view))
                 .collect(),
-            warnings: warnings::of(self),
+            warnings: self.warnings().into_iter().map(|w| w.text).collect(),
         }
     }
 

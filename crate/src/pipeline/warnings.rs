@@ -1,20 +1,26 @@
 //! What to know before trusting a reconstruction, in plain sentences.
 
-use super::Reconstruction;
+use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
 use crate::index::Verdict;
 use crate::text::{count, some_of};
 
-/// Every warning of a reconstruction, those of the scan first.
-pub(super) fn of(reconstruction: &Reconstruction) -> Vec<String> {
-    let mut warnings = reconstruction.scan.warnings.clone();
-    warnings.extend(index(reconstruction));
-    warnings.extend(statuses(reconstruction));
-    warnings.extend(saturated(reconstruction));
-    warnings.extend(off_epipolar_line(reconstruction));
-    warnings.extend(thickness(reconstruction));
-    warnings.extend(shape(reconstruction));
-    warnings
+impl Reconstruction<'_> {
+    /// What to know before trusting it, that of the scan first.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let of_scan = self.scan.warnings.iter().cloned();
+        let mut warnings: Vec<Warning> = of_scan.map(about(Stage::Scan)).collect();
+        warnings.extend(index(self).map(about(Stage::Index)));
+        warnings.extend(statuses(self));
+        warnings.extend(saturated(self).map(about(Stage::Spots)));
+        let of_vessel = [off_epipolar_line(self), thickness(self), shape(self)];
+        warnings.extend(of_vessel.into_iter().flatten().map(about(Stage::Vessel)));
+        warnings
+    }
+}
+
+fn about(stage: Stage) -> impl Fn(String) -> Warning {
+    move |text| Warning { stage, text }
 }
 
 /// An index that the scan cannot tell, or tells badly.
@@ -33,11 +39,23 @@ fn index(reconstruction: &Reconstruction) -> Option<String> {
     }
 }
 
-fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
+fn statuses(reconstruction: &Reconstruction) -> Vec<Warning> {
     let kinds = [
-        (Status::NoVesselSpot, "no vessel spot was found"),
-        (Status::NoObjectSpot, "no object spot was found"),
-        (Status::Rejected, "every spot but the wall's was refused"),
+        (
+            Status::NoVesselSpot,
+            Stage::Vessel,
+            "no vessel spot was found",
+        ),
+        (
+            Status::NoObjectSpot,
+            Stage::Object,
+            "no object spot was found",
+        ),
+        (
+            Status::Rejected,
+            Stage::Object,
+            "every spot but the wall's was refused",
+        ),
     ];
     let ids = |status: Status| -> Vec<&str> {
         let views = reconstruction.scan.manifest.views.iter().enumerate();
@@ -48,9 +66,12 @@ fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
     };
     kinds
         .iter()
-        .map(|(status, what)| (ids(*status), what))
-        .filter(|(ids, _)| !ids.is_empty())
-        .map(|(ids, what)| format!("in {} {what}: {}", count(ids.len(), "view"), some_of(&ids)))
+        .map(|(status, stage, what)| (ids(*status), *stage, what))
+        .filter(|(ids, ..)| !ids.is_empty())
+        .map(|(ids, stage, what)| Warning {
+            stage,
+            text: format!("in {} {what}: {}", count(ids.len(), "view"), some_of(&ids)),
+        })
         .collect()
 }
 

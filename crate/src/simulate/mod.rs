@@ -1,9 +1,10 @@
-//! Scenes -> scans with ground truth: pictures with noise, both glows of the wall, ambient light.
+//! Scenes -> scans with ground truth: pictures with noise, both glows of the wall, ambient light, ghosts.
 //!
 //! Each laser spot is drawn as light makes it: the beam's cross-section is sampled, each sample is
 //! traced to the surface it lands on, and the place where the camera sees that through the wall gets the
 //! lens's blur. Spots on oblique faces come out oblique.
 
+mod ghosts;
 mod ideal;
 mod noise;
 mod render;
@@ -11,6 +12,7 @@ mod scene;
 mod shapes;
 mod truth;
 
+pub use ghosts::{Ghost, GhostKind, Ghosts};
 pub use scene::{
     Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Scene, SceneError,
     SceneMedia, SceneObject, Sweep, Turntable, Vessel,
@@ -21,7 +23,7 @@ pub use truth::{Truth, TruthView};
 use nalgebra::UnitQuaternion;
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Frame, Point, Pose, Ray, World};
+use crate::geometry::{Camera, Direction, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
 use crate::rig::Rig;
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
@@ -38,12 +40,17 @@ pub struct Simulation {
     solids: Vec<Solid>,
 }
 
+/// How much wider than the lens's blur a ghost is: about as wide as a spot.
+const GHOST_WIDTH: f64 = 1.3;
+
 /// Where the laser's light lands in a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Landing {
     outer: Option<Point<World>>,
     inner: Option<Point<World>>,
     object: Option<Point<World>>,
+    /// On the vessel's back, where no object stands in the way.
+    back: Option<Point<World>>,
 }
 
 impl Simulation {
@@ -131,9 +138,7 @@ impl Simulation {
 
     /// What the beam of a view enters: air if it meets the inner face above the liquid's level.
     fn medium(&self, view: usize) -> InsideMedium {
-        let station = &self.scan.stations[view];
-        let axis = self.scan.rig.laser.axis();
-        let beam = station.world_from_camera.ray(&axis);
+        let beam = self.beam(view);
         match self.through(InsideMedium::Liquid).path(&beam) {
             Ok(path) => self.scene.medium_at(path.last.origin),
             Err(_) => InsideMedium::Liquid,
@@ -142,6 +147,20 @@ impl Simulation {
 
     fn stack(&self, view: usize) -> Stack {
         self.through(self.scan.stations[view].inside)
+    }
+
+    /// The beam's middle in a view.
+    fn beam(&self, view: usize) -> Ray<World> {
+        self.scan.stations[view]
+            .world_from_camera
+            .ray(&self.scan.rig.laser.axis())
+    }
+
+    /// Where the camera of a view is.
+    fn eye(&self, view: usize) -> Point<World> {
+        self.scan.stations[view]
+            .world_from_camera
+            .point(Point::origin())
     }
 
     /// What light crosses into a medium behind the wall.
@@ -163,6 +182,10 @@ impl Simulation {
             outer: path.vertices.get(1).copied(),
             inner: path.vertices.get(2).copied(),
             object: nearest.map(|hit| hit.point),
+            back: match nearest {
+                Some(_) => None,
+                None => ghosts::back(self, &path.last),
+            },
         }
     }
 
@@ -170,17 +193,38 @@ impl Simulation {
     /// a solid hides it.
     fn seen(&self, view: usize, point: Point<World>, faces: usize) -> Option<Pixel> {
         const SAME_PLACE: f64 = 0.01;
-        let world_from_camera = &self.scan.stations[view].world_from_camera;
-        let mut stack = self.stack(view);
-        stack.interfaces.truncate(faces);
-        let eye = world_from_camera.point(Point::origin());
-        let aim = aim_through(&stack, eye, point).ok()?;
-        let arriving = stack.trace(&Ray::new(eye, aim)).ok()?;
+        let aim = self.aim(view, point, faces)?;
+        let arriving = self.arriving(view, aim, faces)?;
         let hit = shapes::nearest(&self.solids, &arriving);
         let way = arriving.origin.distance(point);
         if hit.is_some_and(|hit| hit.distance < way - SAME_PLACE) {
             return None;
         }
+        self.project(view, aim)
+    }
+
+    /// As [`Self::seen`], whatever stands in the way.
+    fn image(&self, view: usize, point: Point<World>, faces: usize) -> Option<Pixel> {
+        self.project(view, self.aim(view, point, faces)?)
+    }
+
+    /// The direction in which the camera of a view looks for a point behind the first `faces` faces.
+    fn aim(&self, view: usize, point: Point<World>, faces: usize) -> Option<Direction<World>> {
+        let mut stack = self.stack(view);
+        stack.interfaces.truncate(faces);
+        aim_through(&stack, self.eye(view), point).ok()
+    }
+
+    /// The line of sight in a direction, behind the first `faces` faces.
+    fn arriving(&self, view: usize, aim: Direction<World>, faces: usize) -> Option<Ray<World>> {
+        let mut stack = self.stack(view);
+        stack.interfaces.truncate(faces);
+        stack.trace(&Ray::new(self.eye(view), aim)).ok()
+    }
+
+    /// The pixel of a direction of the world.
+    fn project(&self, view: usize, aim: Direction<World>) -> Option<Pixel> {
+        let world_from_camera = &self.scan.stations[view].world_from_camera;
         let ahead = world_from_camera.inverse().direction(aim);
         self.scan
             .rig
@@ -188,22 +232,43 @@ impl Simulation {
             .project(Point::from_coords(ahead.vector()))
     }
 
-    /// Adds the light of the three spots of a view.
+    /// Whether a place lies on the sensor.
+    fn in_picture(&self, [u, v]: [f64; 2]) -> bool {
+        let camera = &self.scan.rig.camera;
+        (0.0..=f64::from(camera.width - 1)).contains(&u)
+            && (0.0..=f64::from(camera.height - 1)).contains(&v)
+    }
+
+    /// Adds the light of a view's spots, true and false.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
+        let false_light = ghosts::of(self, view);
+        let on_object = match false_light.object_hidden {
+            true => 0.0,
+            false => brightness.object,
+        };
         for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
             let landing = self.landing(view, &ray);
             let spots = [
                 (landing.outer, 0, brightness.outer_face),
                 (landing.inner, 1, brightness.inner_face),
-                (landing.object, 2, brightness.object),
+                (landing.object, 2, on_object),
+                (landing.back, 2, brightness.back),
             ];
-            for (point, faces, light) in spots {
+            for (point, faces, light) in spots.into_iter().filter(|(.., light)| *light > 0.0) {
                 let pixel = point.and_then(|point| self.seen(view, point, faces));
                 if let Some(pixel) = pixel {
                     exposure.add_spot(pixel, self.scene.beam.blur, share * light);
                 }
             }
+        }
+        for ghost in &false_light.spots {
+            let [u, v] = ghost.pixel;
+            exposure.add_spot(
+                Pixel::new(u, v),
+                GHOST_WIDTH * self.scene.beam.blur,
+                ghost.light,
+            );
         }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Solid, rotation_from_degrees};
+use super::{Ghosts, Solid, rotation_from_degrees};
 use crate::geometry::{Camera, Direction, Flange, Plane, Point, Pose, Ray, World, ZeroLength};
 use crate::optics::{Cylinder, Sphere, Surface};
 use crate::rig::{Calibration, Rig};
@@ -92,6 +92,9 @@ pub struct Scene {
     /// The camera's noise.
     #[serde(default)]
     pub noise: PictureNoise,
+    /// False spots.
+    #[serde(default)]
+    pub ghosts: Ghosts,
 }
 
 const fn yes() -> bool {
@@ -137,6 +140,10 @@ pub struct Vessel {
     /// The liquid's surface, world y, mm; above it (smaller y) there is air. Full if left out.
     #[serde(default)]
     pub level: Option<f64>,
+    /// How far behind a front wall's inner face the tank's back wall lights up, mm. (A round vessel's back
+    /// is where its shape has it.)
+    #[serde(default)]
+    pub depth: Option<f64>,
 }
 
 /// Something that stands in the vessel.
@@ -219,6 +226,8 @@ pub struct Brightness {
     pub inner_face: f64,
     /// The spot on the object.
     pub object: f64,
+    /// The spot on the vessel's back, where the beam passes the object.
+    pub back: f64,
 }
 
 impl Default for Brightness {
@@ -227,6 +236,7 @@ impl Default for Brightness {
             outer_face: 500.0,
             inner_face: 150.0,
             object: 900.0,
+            back: 0.0,
         }
     }
 }
@@ -364,7 +374,12 @@ impl Scene {
         dark(self.noise.shot, "noise.shot")?;
         dark(self.brightness.outer_face, "brightness.outer_face")?;
         dark(self.brightness.inner_face, "brightness.inner_face")?;
-        dark(self.brightness.object, "brightness.object")
+        dark(self.brightness.object, "brightness.object")?;
+        dark(self.brightness.back, "brightness.back")?;
+        self.vessel
+            .depth
+            .map_or(Ok(()), |depth| positive(depth, "vessel.depth"))?;
+        self.ghosts.check()
     }
 
     /// The manifest, without its views.

@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-use super::Simulation;
+use super::{Ghost, Simulation, ghosts};
+use crate::camera::Pixel;
 use crate::geometry::Point;
 
 /// What is true of a simulated scan.
@@ -27,6 +28,15 @@ pub struct TruthView {
     pub vessel_pixel: Option<[f64; 2]>,
     /// Where the object's spot is seen, px.
     pub object_pixel: Option<[f64; 2]>,
+    /// Where the beam lands on the vessel's back, having passed the object: no point of the object.
+    #[serde(default)]
+    pub back: Option<[f64; 3]>,
+    /// Where that spot is seen, px.
+    #[serde(default)]
+    pub back_pixel: Option<[f64; 2]>,
+    /// The false spots.
+    #[serde(default)]
+    pub ghosts: Vec<Ghost>,
 }
 
 impl Truth {
@@ -52,22 +62,25 @@ pub(super) fn of(simulation: &Simulation) -> Truth {
 
 fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
     let landing = simulation.landing(view, &simulation.scan.rig.laser.axis());
-    let camera = &simulation.scan.rig.camera;
+    let false_light = ghosts::of(simulation, view);
     let pixel = |point, faces| {
-        let pixel = simulation.seen(view, point, faces)?;
-        let inside = pixel.u >= 0.0
-            && pixel.v >= 0.0
-            && pixel.u <= f64::from(camera.width - 1)
-            && pixel.v <= f64::from(camera.height - 1);
-        inside.then_some([pixel.u, pixel.v])
+        let Pixel { u, v } = simulation.seen(view, point, faces)?;
+        simulation.in_picture([u, v]).then_some([u, v])
     };
+    let back_shows = simulation.scene.brightness.back > 0.0;
     let vessel_pixel = landing.outer.and_then(|point| pixel(point, 0));
-    let object_pixel = landing.object.and_then(|point| pixel(point, 2));
+    let object = landing.object.filter(|_| !false_light.object_hidden);
+    let object_pixel = object.and_then(|point| pixel(point, 2));
+    let back = landing.back.filter(|_| back_shows);
+    let back_pixel = back.and_then(|point| pixel(point, 2));
     TruthView {
         id: simulation.manifest().views[view].id.clone(),
         vessel: vessel_pixel.and(landing.outer).map(Point::to_array),
-        object: object_pixel.and(landing.object).map(Point::to_array),
+        object: object_pixel.and(object).map(Point::to_array),
         vessel_pixel,
         object_pixel,
+        back: back_pixel.and(back).map(Point::to_array),
+        back_pixel,
+        ghosts: false_light.spots,
     }
 }

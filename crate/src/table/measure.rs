@@ -296,7 +296,7 @@ fn keep_likeliest(sights: &mut [Sight]) {
         .map(|found| found.spot);
     for (index, sight) in sights.iter_mut().enumerate() {
         if matches!(sight, Sight::Object(_)) && Some(index) != best {
-            *sight = Sight::Refused(Refusal::Outdone);
+            *sight = Sight::Refused(Refusal::Outdone(None));
         }
     }
 }

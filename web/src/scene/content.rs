@@ -13,8 +13,11 @@ use super::palette::Palette;
 use super::patch::Patch;
 use super::points::ScenePoint;
 use crate::colours::Scale;
-use crate::run::{Facts, Outcome, Place, StationFacts};
+use crate::run::{Facts, ObjectPoint, Outcome, Place, Shown, StationFacts};
 use crate::state::ColourBy;
+
+/// More beams would hide what they light.
+const MOST_BEAMS: usize = 400;
 
 /// What is to be seen. Empty until a scan is measured.
 #[derive(Default)]
@@ -22,6 +25,10 @@ pub(super) struct Content {
     measured: Option<(Arc<Facts>, Arc<Outcome>)>,
     /// The object's points in their colours.
     pub(super) object: Vec<ScenePoint>,
+    /// The wall's points.
+    pub(super) vessel: Vec<ScenePoint>,
+    /// Whether the colours are about the wall's points.
+    pub(super) about_wall: bool,
     /// The view that is chosen.
     pub(super) chosen: Option<usize>,
     patch: Option<Patch>,
@@ -34,12 +41,30 @@ impl Content {
         outcome: Arc<Outcome>,
         by: ColourBy,
         chosen: Option<usize>,
+        palette: &Palette,
     ) -> Self {
-        let object = object_points(&facts, &outcome, by);
+        let scale = Scale::of(&facts, &outcome, by);
+        let object = outcome.object.iter().map(|point| {
+            let colour = scale.of_object(&facts, by, point);
+            object_point(point, colour.map_or(palette.plain_point, opaque))
+        });
+        let vessel = outcome.vessel.iter().map(|point| {
+            let colour = scale.of_vessel(by, point);
+            let place = shown(point.place);
+            ScenePoint {
+                view: point.view,
+                place,
+                unrefracted: place,
+                colour: colour.map_or(palette.vessel_point, opaque),
+            }
+        });
         let up = up(&facts);
-        let patch = Patch::new(&outcome.wall, &vessel_places(&outcome), up);
+        let places: Vec<Vec3> = outcome.vessel.iter().map(|p| shown(p.place)).collect();
+        let patch = Patch::new(&outcome.wall, &places, up);
         let mut content = Self {
-            object,
+            object: object.collect(),
+            vessel: vessel.collect(),
+            about_wall: by == ColourBy::Residual,
             chosen,
             patch: Some(patch),
             grid: None,
@@ -87,24 +112,6 @@ impl Content {
         }
     }
 
-    pub(super) fn vessel_points(&self, palette: &Palette) -> Vec<ScenePoint> {
-        let views = self
-            .outcome()
-            .into_iter()
-            .flat_map(|o| o.views.iter().enumerate());
-        views
-            .flat_map(|(view, outcome)| {
-                let places = outcome.result.vessel.iter().copied().map(vector);
-                places.map(move |place| ScenePoint {
-                    view,
-                    place,
-                    unrefracted: place,
-                    colour: palette.vessel_point,
-                })
-            })
-            .collect()
-    }
-
     /// Cameras and the wall's edges.
     pub(super) fn solid_lines(&self, palette: &Palette) -> Vec<Line> {
         let size = self.station_size();
@@ -118,16 +125,23 @@ impl Content {
     pub(super) fn faint_lines(&self, palette: &Palette) -> Vec<Line> {
         let grid = self.grid.iter().flat_map(|g| g.lines(palette.grid));
         let beams = self.measured.iter().flat_map(|(facts, outcome)| {
-            let views = facts.stations.iter().zip(&outcome.views);
-            views.flat_map(|(station, view)| {
-                // Of a sheet its two edges.
-                let places = view.result.vessel.as_slice();
-                let edges = places.iter().take(1).chain(places.iter().skip(1).last());
-                let laser = vector(station.laser);
-                edges.map(move |wall| Line::new(laser, vector(*wall), palette.station_beam))
+            // Of a sheet of light, a few rays.
+            let points = outcome.vessel.iter();
+            let beams = points.step_by(outcome.vessel.len() / MOST_BEAMS + 1);
+            beams.map(|point| {
+                let laser = vector(facts.stations[point.view].laser);
+                Line::new(laser, shown(point.place), palette.station_beam)
             })
         });
         grid.chain(beams).collect()
+    }
+
+    /// What refraction does: from where each point would be without it to where it is.
+    pub(super) fn displacements(&self, palette: &Palette) -> Vec<Line> {
+        let points = self.object.iter();
+        let few = points.step_by(self.object.len() / MOST_BEAMS + 1);
+        few.map(|p| Line::new(p.unrefracted, p.place, palette.displacement))
+            .collect()
     }
 
     pub(super) fn wall_faces(&self, palette: &Palette) -> Vec<Face> {
@@ -139,7 +153,7 @@ impl Content {
         self.grid.iter().flat_map(Grid::labels).collect()
     }
 
-    /// A ring around each point of the chosen view.
+    /// A ring around the chosen view's point.
     pub(super) fn marker(&self, palette: &Palette) -> Vec<ScenePoint> {
         let chosen = self.object.iter().filter(|p| Some(p.view) == self.chosen);
         chosen
@@ -155,13 +169,15 @@ impl Content {
         let Some((_, outcome)) = &self.measured else {
             return Vec::new();
         };
-        let Some(view) = self.chosen.and_then(|view| outcome.views.get(view)) else {
+        let Some(chosen) = self.chosen.filter(|view| *view < outcome.views.len()) else {
             return Vec::new();
         };
+        let view = &outcome.views[chosen];
+        let end = outcome.point_of(chosen);
+        let straight_end = end.map(|point| shown(point.unrefracted));
         let bend = |path: &[Place], colour| {
             let bent: Vec<Vec3> = path.iter().copied().map(vector).collect();
-            let straight_end = view.unrefracted.get(view.middle()).copied().flatten();
-            let places = straightened(&bent, straight_end.map(vector), refraction);
+            let places = straightened(&bent, straight_end, refraction);
             chain(&places, colour).collect::<Vec<_>>()
         };
         [
@@ -189,34 +205,20 @@ impl Content {
     fn facts(&self) -> Option<&Facts> {
         self.measured.as_ref().map(|(facts, _)| facts.as_ref())
     }
+}
 
-    fn outcome(&self) -> Option<&Outcome> {
-        self.measured.as_ref().map(|(_, outcome)| outcome.as_ref())
+fn object_point(point: &ObjectPoint, colour: [f32; 4]) -> ScenePoint {
+    ScenePoint {
+        view: point.view,
+        place: shown(point.place),
+        unrefracted: shown(point.unrefracted),
+        colour,
     }
 }
 
-fn object_points(facts: &Facts, outcome: &Outcome, by: ColourBy) -> Vec<ScenePoint> {
-    let scale = Scale::of(facts, outcome, by);
-    let views = outcome.views.iter().enumerate();
-    views
-        .flat_map(|(view, measured)| {
-            let points = measured.result.object.iter().zip(&measured.unrefracted);
-            points
-                .enumerate()
-                .map(move |(point, places)| (view, point, places))
-        })
-        .filter_map(|(view, point, (place, unrefracted))| {
-            let place = vector(*place);
-            let [red, green, blue] = scale.colour(facts, outcome, by, (view, point))?;
-            let part = |value: u8| f32::from(value) / 255.0;
-            Some(ScenePoint {
-                view,
-                place,
-                unrefracted: unrefracted.map_or(place, vector),
-                colour: [part(red), part(green), part(blue), 1.0],
-            })
-        })
-        .collect()
+fn opaque(colour: [u8; 3]) -> [f32; 4] {
+    let [red, green, blue] = colour.map(|part| f32::from(part) / 255.0);
+    [red, green, blue, 1.0]
 }
 
 /// Light through the faces, drawn towards the straight line to `straight_end` as refraction goes.
@@ -268,15 +270,12 @@ fn mean(facts: &Facts, of: impl Fn(&StationFacts) -> Place) -> Vec3 {
     sum / facts.stations.len().max(1) as f32
 }
 
-fn vessel_places(outcome: &Outcome) -> Vec<Vec3> {
-    let places = outcome
-        .views
-        .iter()
-        .flat_map(|view| view.result.vessel.iter());
-    places.copied().map(vector).collect()
-}
-
 /// A place as the graphics card takes it.
 pub(super) fn vector([x, y, z]: Place) -> Vec3 {
     vec3(x as f32, y as f32, z as f32)
+}
+
+/// Likewise, for a point.
+fn shown(place: Shown) -> Vec3 {
+    place.into()
 }
