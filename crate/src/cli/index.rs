@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use super::{Failure, print, views};
-use crate::index::{IndexEstimate, IndexStudy, LIQUIDS};
+use crate::index::{IndexEstimate, IndexStudy, LIQUIDS, Observability};
 use crate::pipeline::{Settings, study_index};
 
 /// Arguments of `snellius index`.
@@ -39,25 +39,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn report(study: &IndexStudy) -> Vec<String> {
-    let seen = &study.observability;
-    let mut lines = vec![
-        format!(
-            "ray distance  {:.2} px of signal per unit of the index (median); {:.1} degrees off the mirror \
-             plane, incidence {:.1} and {:.1} degrees, {:.0} mm deep",
-            seen.median_pixels,
-            seen.off_mirror_plane,
-            seen.beam_incidence,
-            seen.sight_incidence,
-            seen.depth
-        ),
-        format!(
-            "laser         0.05 degrees within the plane of the rays shift the index by {:+.4}, across it by \
-             {:+.4}, if nothing corrects for them",
-            seen.shift_in_plane, seen.shift_out_of_plane
-        ),
+    let mut lines: Vec<String> = study.observability.iter().flat_map(observability).collect();
+    lines.extend([
         String::new(),
         "method        index     sigma     sampling  model     floor     verdict".to_owned(),
-    ];
+    ]);
     lines.extend(study.estimates.iter().map(row));
     for (method, why) in &study.not_applicable {
         lines.push(format!("{:<13} -         {why}", method.name()));
@@ -107,6 +93,25 @@ fn report(study: &IndexStudy) -> Vec<String> {
         }
     }
     lines
+}
+
+fn observability(seen: &Observability) -> [String; 2] {
+    [
+        format!(
+            "ray distance  {:.2} px of signal per unit of the index (median); {:.1} degrees off the mirror \
+             plane, incidence {:.1} and {:.1} degrees, {:.0} mm deep",
+            seen.median_pixels,
+            seen.off_mirror_plane,
+            seen.beam_incidence,
+            seen.sight_incidence,
+            seen.depth
+        ),
+        format!(
+            "laser         0.05 degrees within the plane of the rays shift the index by {:+.4}, across it by \
+             {:+.4}, if nothing corrects for them",
+            seen.shift_in_plane, seen.shift_out_of_plane
+        ),
+    ]
 }
 
 fn row(estimate: &IndexEstimate) -> String {

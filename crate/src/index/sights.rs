@@ -42,17 +42,32 @@ pub struct Sights {
     pub sweep_of: Vec<usize>,
 }
 
+/// A line laser sees thousands of points of few faces: this many tell as much, to well below what
+/// calibration leaves open.
+const MOST: usize = 600;
+
+fn thinned<T: Copy>(sights: Vec<T>) -> Vec<T> {
+    let stride = sights.len().div_ceil(MOST).max(1);
+    sights.into_iter().step_by(stride).collect()
+}
+
+/// No centroid is trusted further than this along each axis, px: the camera's noise model leaves out how
+/// light falls off over an oblique face, and how a pixel answers it.
+const LEAST_SIGMA: f64 = 0.05;
+
 impl Sights {
     /// Gathers them from what vessel and object were found to be.
     pub fn new(setup: &Setup, spots: &[Spots], choices: &[Choice]) -> Self {
         let grain = object_grain(setup, choices);
+        let floor = Matrix2::identity() * (LEAST_SIGMA * LEAST_SIGMA);
         let vessel = setup.vessel.points.iter().enumerate();
         let vessel = vessel.flat_map(|(view, points)| {
             points.iter().map(move |point| VesselSight {
                 view,
                 pixel: point.pixel,
                 glow_offset: point.glow_offset,
-                covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain),
+                covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain)
+                    + floor,
             })
         });
         let in_liquid = |view: &usize| setup.stations[*view].inside == InsideMedium::Liquid;
@@ -62,13 +77,13 @@ impl Sights {
                 ObjectSight {
                     view,
                     pixel: spot.pixel(),
-                    covariance: spot.covariance_with(grain),
+                    covariance: spot.covariance_with(grain) + floor,
                 }
             })
         });
         Self {
-            vessel: vessel.collect(),
-            object: object.collect(),
+            vessel: thinned(vessel.collect()),
+            object: thinned(object.collect()),
             sweep_of: sweeps(setup.stations),
         }
     }
