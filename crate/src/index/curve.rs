@@ -4,13 +4,15 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::last_bend::{BendPair, LastBend};
-use super::model::{Hypothesis, Model};
-use super::sights::ObjectSight;
 use super::solve::{GREATEST_INDEX, LEAST_INDEX};
-use crate::geometry::{Camera, Point, Ray, World};
-use crate::object::line_of_sight;
-use crate::rig::Laser;
+use crate::camera::Pixel;
+use crate::geometry::{Camera, Point, Pose, Ray, World};
+use crate::object::{Setup, line_of_sight, meet};
+use crate::optics::Media;
+use crate::rig::{Laser, Rig};
 use crate::robust::tukey_loss;
+use crate::scan::{InsideMedium, Station};
+use crate::vessel::Wall;
 
 /// A quantity over the refractive index.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -153,14 +155,32 @@ impl PreparedSight {
 }
 
 impl PreparedSights {
-    pub(super) fn new(model: &Model, here: &Hypothesis, sights: &[ObjectSight]) -> Self {
-        let prepare = |sight: &ObjectSight| match &here.state.rig.laser {
-            Laser::Beam(beam) => beam_sight(model, here, beam, sight),
-            Laser::Sheet(_) => sheet_sight(model, here, sight),
+    /// Traces the light of spots, each given by its view and pixel. The liquid's index in `setup.media`
+    /// does not matter.
+    pub fn new(setup: &Setup, sights: &[(usize, Pixel)]) -> Self {
+        let wall = &setup.vessel.wall;
+        Self::behind(setup.rig, wall, &setup.media, setup.stations, sights)
+    }
+
+    /// As [`PreparedSights::new`], for a range finder and a wall other than the setup's.
+    pub(super) fn behind(
+        rig: &Rig,
+        wall: &Wall,
+        media: &Media,
+        stations: &[Station],
+        sights: &[(usize, Pixel)],
+    ) -> Self {
+        let poses: Vec<_> = stations
+            .iter()
+            .map(|station| rig.station(&station.world_from_flange))
+            .collect();
+        let prepare = |(view, pixel): &(usize, Pixel)| match &rig.laser {
+            Laser::Beam(beam) => beam_sight(rig, wall, media, beam, &poses[*view], *pixel),
+            Laser::Sheet(_) => sheet_sight(rig, wall, media, &poses[*view], *pixel),
         };
         Self {
             sights: sights.iter().map(prepare).collect(),
-            wall_index: model.setup.media.wall,
+            wall_index: media.wall,
         }
     }
 
@@ -230,28 +250,36 @@ impl PreparedSights {
 }
 
 fn beam_sight(
-    model: &Model,
-    here: &Hypothesis,
+    rig: &Rig,
+    wall: &Wall,
+    media: &Media,
     beam: &Ray<Camera>,
-    sight: &ObjectSight,
+    pose: &Pose<World, Camera>,
+    pixel: Pixel,
 ) -> Option<PreparedSight> {
-    let far = here.state.wall.far.map(|far| far.distance);
-    let rig = &here.state.rig;
-    let station = &model.setup.stations[sight.view];
-    let pose = rig.station(&station.world_from_flange);
-    let light = LastBend::new(&here.stack, far, &pose.ray(beam))?;
-    let line = line_of_sight(rig, &pose, sight.pixel).ok()?;
-    let line = LastBend::new(&here.stack, far, &line)?;
+    let stack = wall.stack(media, InsideMedium::Liquid).ok()?;
+    let far = wall.far.map(|far| far.distance);
+    let light = LastBend::new(&stack, far, &pose.ray(beam))?;
+    let line = line_of_sight(rig, pose, pixel).ok()?;
+    let line = LastBend::new(&stack, far, &line)?;
     Some(PreparedSight::Beam(Box::new(BendPair::new(light, line)?)))
 }
 
-fn sheet_sight(model: &Model, here: &Hypothesis, sight: &ObjectSight) -> Option<PreparedSight> {
+fn sheet_sight(
+    rig: &Rig,
+    wall: &Wall,
+    media: &Media,
+    pose: &Pose<World, Camera>,
+    pixel: Pixel,
+) -> Option<PreparedSight> {
     let mut places = [Point::origin(); NODES];
     for (i, place) in places.iter_mut().enumerate() {
-        let mut state = here.state.clone();
-        state.index = node(i);
-        let there = Hypothesis::new(model, state)?;
-        *place = model.meeting(&there, sight, sight.pixel)?.point();
+        let media = Media {
+            liquid: node(i),
+            ..*media
+        };
+        let stack = wall.stack(&media, InsideMedium::Liquid).ok()?;
+        *place = meet(rig, pose, &stack, pixel).ok()?.point();
     }
     Some(PreparedSight::Sheet(Box::new(PlaceCurve(places))))
 }

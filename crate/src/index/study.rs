@@ -185,7 +185,7 @@ impl<'a> Student<'a> {
             .map(|sigma| sigma.point.norm())
             .collect();
         Ok(Self {
-            prepared: PreparedSights::new(&model, &here, &sights.object),
+            prepared: prepared(setup, sights, &corrected),
             setup,
             sights,
             known,
@@ -454,9 +454,7 @@ impl<'a> Student<'a> {
     }
 
     fn refined_faces(&self, solution: &Solution) -> Result<Faces, IndexError> {
-        let model = Model::new(self.setup, self.sights, METHODS[0].1);
-        let here = Hypothesis::new(&model, solution.state.clone()).ok_or(IndexError::NoSights)?;
-        let prepared = PreparedSights::new(&model, &here, &self.sights.object);
+        let prepared = prepared(self.setup, self.sights, &solution.state);
         let points: Vec<_> = prepared.points(solution.state.index).collect();
         self.faces_at(solution.state.index, &points, self.tolerance(0.2))
     }
@@ -514,10 +512,8 @@ impl<'a> Student<'a> {
 
     fn plain_curve(&self) -> IndexCurve {
         let model = Model::new(self.setup, self.sights, METHODS[0].1);
-        let given = Hypothesis::new(&model, model.start(self.setup.media.liquid));
-        given.map_or_else(IndexCurve::default, |given| {
-            PreparedSights::new(&model, &given, &self.sights.object).plain_curve(self.range)
-        })
+        let given = model.start(self.setup.media.liquid);
+        prepared(self.setup, self.sights, &given).plain_curve(self.range)
     }
 
     /// The faces with their surfaces fitted anew to the points for an index.
@@ -667,6 +663,19 @@ struct Faces {
     index: f64,
     faces: Vec<Face>,
     constraints: Vec<Constraint>,
+}
+
+/// The light of the object's sights in a state.
+fn prepared(setup: &Setup, sights: &Sights, state: &State) -> PreparedSights {
+    let pixels = sights.object.iter().map(|sight| (sight.view, sight.pixel));
+    let pixels: Vec<_> = pixels.collect();
+    PreparedSights::behind(
+        &state.rig,
+        &state.wall,
+        &setup.media,
+        setup.stations,
+        &pixels,
+    )
 }
 
 fn corrections(solution: &Solution) -> Vec<Correction> {
