@@ -46,7 +46,7 @@ fn a_parallel_beam_is_triangulated_by_similar_triangles() {
         assert_close(found.point.coords.z, depth, 1e-10 * depth);
         assert_close(found.point.coords.x, baseline, 1e-12);
         assert_close(found.along, depth, 1e-10 * depth);
-        assert_close(found.off_line, 0.0, 1e-15);
+        assert_close(found.off_line.unwrap(), 0.0, 1e-15);
     }
 }
 
@@ -123,7 +123,7 @@ fn a_sight_beside_the_line_gives_the_point_of_its_foot() {
             y: on.y + off * along.x,
         };
         let found = line.triangulate(beside).unwrap();
-        assert_close(found.off_line.abs(), off.abs(), 1e-15);
+        assert_close(found.off_line.unwrap().abs(), off.abs(), 1e-15);
         assert_close(found.along, 400.0, 1e-8);
         let sight = Ray::new(Point::origin(), beside.direction());
         let nearest = closest_approach(&beam, &sight).unwrap();
@@ -184,7 +184,7 @@ fn the_vessels_spot_is_the_first_from_the_lasers_side() {
             );
             let in_camera = station.world_from_camera.inverse().point(point.point);
             assert_close(in_camera.coords.z, 400.0, 0.05);
-            assert_close(point.off_line, 0.0, 0.01);
+            assert_close(point.off_line.unwrap(), 0.0, 0.01);
         }
     }
 }

@@ -43,7 +43,7 @@ fn recovered(sample: &str) -> Recovered {
     let (mut wanted, mut found) = (0, 0);
     let (mut errors, mut variances) = (0.0, 0.0);
     for (view, truth) in result.views.iter().zip(&truth.views) {
-        let Some(there) = truth.object else {
+        let Some(there) = truth.object.first() else {
             assert!(
                 view.object.first().is_none(),
                 "{sample}: a point where there is none"

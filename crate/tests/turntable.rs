@@ -66,7 +66,7 @@ fn assert_recovered(scene: Scene) {
     let mut squares = Vec::new();
     for (view, truth) in result.views.iter().zip(&truth.views) {
         assert_eq!(view.status, Status::Ok, "{}: {:?}", view.id, view.reason);
-        let (found, place) = (view.object.first().unwrap(), truth.object.unwrap());
+        let (found, place) = (view.object.first().unwrap(), truth.object.first().unwrap());
         squares.push((Vector3::from(found) - Vector3::from(place)).norm_squared());
     }
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();

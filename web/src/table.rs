@@ -148,6 +148,7 @@ fn row(
     let object = |axis: usize| point.map(|point| fixed(point.place[axis].into(), 2));
     let cell = |text: Option<String>| view! { <td class="number">{text}</td> };
     let (word, class) = status(measured.status);
+    let count = measured.points.len();
     view! {
         <tr
             id=row_id(view)
@@ -162,6 +163,7 @@ fn row(
             <td class="state" title=measured.reason.clone()>
                 <span class="dot" aria-hidden="true"></span>
                 {word}
+                {(count > 1).then(|| view! { <span class="reason">{format!("{count} points")}</span> })}
                 {measured.reason.clone().map(|reason| view! { <span class="reason">{reason}</span> })}
             </td>
             {[0, 1, 2].map(|axis| cell(object(axis))).collect_view()}

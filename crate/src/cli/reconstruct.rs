@@ -26,6 +26,9 @@ pub(super) struct Arguments {
     /// Measure with the table of a rig that never moves against its window, and trace no ray
     #[arg(long, value_name = "TABLE.json", conflicts_with = "index")]
     table: Option<PathBuf>,
+    /// Measures views in air or liquid as the scan itself proposes, where scan.json seems wrong
+    #[arg(long)]
+    accept_media: bool,
     /// How many threads read pictures; 0 is one per core
     #[arg(long, default_value_t = 0, value_name = "N")]
     jobs: usize,
@@ -93,6 +96,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = Settings {
         index: arguments.index.and_then(WantedIndex::value),
         index_method: arguments.index.and_then(WantedIndex::method),
+        accept_media: arguments.accept_media,
         ..Settings::default()
     };
     let archive = views::open(path)?;

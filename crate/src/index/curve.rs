@@ -29,7 +29,7 @@ impl IndexCurve {
         let values = self.value.iter().enumerate();
         let known = values.filter_map(|(i, v)| Some((i, (*v)?)));
         let (at, least) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let neighbours = |i: usize| Some((*self.value.get(i)?)?);
+        let neighbours = |i: usize| *self.value.get(i)?;
         let sides = at
             .checked_sub(1)
             .and_then(neighbours)

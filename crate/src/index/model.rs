@@ -429,7 +429,7 @@ impl<'a> Model<'a> {
         let station = &self.setup.stations[sight.view];
         let point = rig.station(&station.world_from_flange).point(lit.point);
         Some(Vector2::new(
-            lit.off_line * rig.camera.mean_focal(),
+            lit.off_line.unwrap_or(0.0) * rig.camera.mean_focal(),
             hypothesis.state.wall.outer.signed_distance(point),
         ))
     }

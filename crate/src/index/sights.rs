@@ -42,18 +42,15 @@ pub struct Sights {
     pub sweep_of: Vec<usize>,
 }
 
-/// A line laser sees thousands of points of few faces: this many tell as much, to well below what
-/// calibration leaves open.
-const MOST: usize = 600;
-
-fn thinned<T: Copy>(sights: Vec<T>) -> Vec<T> {
-    let stride = sights.len().div_ceil(MOST).max(1);
-    sights.into_iter().step_by(stride).collect()
-}
-
 /// No centroid is trusted further than this along each axis, px: the camera's noise model leaves out how
 /// light falls off over an oblique face, and how a pixel answers it.
 const LEAST_SIGMA: f64 = 0.05;
+
+/// Some points of a view, evenly along its line: neighbours say the same of the index. A beam has one.
+fn some<T>(points: &[T]) -> impl Iterator<Item = &T> {
+    const MOST: usize = 24;
+    points.iter().step_by(points.len().div_ceil(MOST).max(1))
+}
 
 impl Sights {
     /// Gathers them from what vessel and object were found to be.
@@ -62,7 +59,7 @@ impl Sights {
         let floor = Matrix2::identity() * (LEAST_SIGMA * LEAST_SIGMA);
         let vessel = setup.vessel.points.iter().enumerate();
         let vessel = vessel.flat_map(|(view, points)| {
-            points.iter().map(move |point| VesselSight {
+            some(points).map(move |point| VesselSight {
                 view,
                 pixel: point.pixel,
                 glow_offset: point.glow_offset,
@@ -72,7 +69,7 @@ impl Sights {
         });
         let in_liquid = |view: &usize| setup.stations[*view].inside == InsideMedium::Liquid;
         let object = (0..choices.len()).filter(in_liquid).flat_map(|view| {
-            choices[view].points.iter().map(move |point| {
+            some(&choices[view].points).map(move |point| {
                 let spot = &spots[view].spots[point.spot];
                 ObjectSight {
                     view,
@@ -82,8 +79,8 @@ impl Sights {
             })
         });
         Self {
-            vessel: thinned(vessel.collect()),
-            object: thinned(object.collect()),
+            vessel: vessel.collect(),
+            object: object.collect(),
             sweep_of: sweeps(setup.stations),
         }
     }

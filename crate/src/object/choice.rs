@@ -1,11 +1,13 @@
 use serde::{Deserialize, Serialize};
 
+use super::line::find_on_line;
 use super::select::{Fitting, Selection, select};
 use super::uncertainty::{Noise, noise};
 use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
 use super::{back, grain};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World};
+use crate::rig::Laser;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
 use crate::spots::{Spot, Spots};
@@ -110,6 +112,27 @@ impl Refusal {
     }
 }
 
+impl Refusal {
+    /// As its text, without the numbers that differ from point to point.
+    pub fn kind(&self) -> String {
+        match self {
+            Self::BeforeInnerFace { .. } => {
+                "the rays meet before the wall's inner face or on it: the wall's own light"
+                    .to_owned()
+            }
+            Self::RayDistance { .. } => {
+                "a greater ray distance than noise and calibration explain".to_owned()
+            }
+            Self::Outdone(_) => {
+                "another point on the same ray of the laser has more light".to_owned()
+            }
+            Self::Alone(_) => "no other object points make a surface that it lies on".to_owned(),
+            Self::BackWall { .. } => "the laser passed the object, and landed behind it".to_owned(),
+            Self::NoMeeting(_) | Self::FarSide => self.to_string(),
+        }
+    }
+}
+
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -157,7 +180,13 @@ pub struct Choice {
 /// views agree better than that, it is narrowed to their own spread. Of those left the one is taken for
 /// which ray distance, brightness and the neighbouring views speak; where there are ghosts, none with
 /// which no neighbours agree.
+///
+/// Of a sheet of light the light paths always meet. There the point must lie behind the wall, and on each
+/// ray that of the curve with the most light is taken.
 pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) -> Vec<Choice> {
+    if let Laser::Sheet(sheet) = &setup.rig.laser {
+        return find_on_line(setup, sheet, spots, settings);
+    }
     let candidates: Vec<Vec<Candidate>> = (0..setup.stations.len())
         .map(|view| candidates(setup, view, &spots[view], settings))
         .collect();
@@ -226,7 +255,8 @@ fn candidates(
     .collect()
 }
 
-fn examine(
+/// The point that a spot would make, were it the object's.
+pub(super) fn examine(
     setup: &Setup,
     station: &Station,
     spot: &Spot,
@@ -324,7 +354,8 @@ fn choose(setup: &Setup, judged: Vec<Judged>) -> Vec<Choice> {
         .into_iter()
         .map(|view| (view.fitting, view.refused))
         .unzip();
-    let selections = select(&fitting, &beams(setup), strays);
+    let beams: Vec<Option<Ray<World>>> = setup.stations.iter().map(|s| beam(setup, s)).collect();
+    let selections = select(&fitting, &beams, strays);
     let views = fitting.into_iter().zip(refused).zip(selections);
     views
         .map(|((fitting, refused), selection)| chosen(fitting, refused, &selection))
@@ -348,12 +379,9 @@ fn chosen(
     Choice { points, refused }
 }
 
-/// Each view's beam behind the wall.
-fn beams(setup: &Setup) -> Vec<Option<Ray<World>>> {
-    let beam = |station: &Station| {
-        let stack = setup.vessel.wall.stack(&setup.media, station.inside).ok()?;
-        let beam = station.world_from_camera.ray(&setup.rig.laser.axis());
-        stack.trace(&beam).ok()
-    };
-    setup.stations.iter().map(beam).collect()
+/// A view's beam behind the wall.
+pub(super) fn beam(setup: &Setup, station: &Station) -> Option<Ray<World>> {
+    let stack = setup.vessel.wall.stack(&setup.media, station.inside).ok()?;
+    let beam = station.world_from_camera.ray(&setup.rig.laser.axis());
+    stack.trace(&beam).ok()
 }

@@ -12,42 +12,47 @@ pub(super) struct Fan<'a> {
     pub(super) stack: &'a Stack,
 }
 
+/// Near enough: two lines this far apart meet, mm.
+const CLOSE_ENOUGH: f64 = 1e-10;
+
 impl Fan<'_> {
-    /// The ray of the sheet that meets a (refracted) line of sight.
+    /// The angle (see [`Sheet::ray_at`]) of the ray that meets a (refracted) line of sight.
     ///
-    /// Refracted, the sheet is no plane any more, but each of its rays is still a line: the angle
-    /// within the sheet is sought at which the gap of the two lines is 0, by the secant method from
-    /// the ray that would be right in air.
-    pub(super) fn ray_to(
-        &self,
-        sight: &Ray<World>,
-        in_air: &Ray<Camera>,
-    ) -> Result<Ray<Camera>, MeetingError> {
+    /// Refracted, the sheet is no plane any more, but each of its rays is still a line: the angle is sought
+    /// at which the gap of the two lines is 0, by the secant method from the angle that would be right in
+    /// air. A step that leads to where no light gets through is halved.
+    pub(super) fn angle_to(&self, sight: &Ray<World>, in_air: f64) -> Result<f64, MeetingError> {
         const FIRST_STEP: f64 = 1e-3;
-        const CLOSE_ENOUGH: f64 = 1e-10;
-        const STEPS: usize = 30;
-        let gap = |angle: f64| self.gap(&self.sheet.turned(in_air, angle), sight);
-        let (mut before, mut angle) = (0.0, FIRST_STEP);
-        let (mut gap_before, mut gap_here) = (gap(before)?, gap(angle)?);
+        const STEPS: usize = 40;
+        let (mut before, mut gap_before) = (in_air, self.gap(in_air, sight)?);
+        let mut angle = in_air + FIRST_STEP;
         for _ in 0..STEPS {
-            if gap_here.abs() < CLOSE_ENOUGH {
-                return Ok(self.sheet.turned(in_air, angle));
+            let gap = match self.gap(angle, sight) {
+                Ok(gap) => gap,
+                Err(error) if (angle - before).abs() < 1e-6 => return Err(error),
+                Err(_) => {
+                    angle = 0.5 * (angle + before);
+                    continue;
+                }
+            };
+            if gap.abs() < CLOSE_ENOUGH {
+                return Ok(angle);
             }
-            let slope = (gap_here - gap_before) / (angle - before);
-            (before, gap_before) = (angle, gap_here);
-            angle -= gap_here / slope;
-            if !angle.is_finite() {
+            let step = -gap * (angle - before) / (gap - gap_before);
+            if !step.is_finite() {
                 break;
             }
-            gap_here = gap(angle)?;
+            (before, gap_before) = (angle, gap);
+            angle += step.clamp(-0.3, 0.3);
         }
         Err(MeetingError::NoRayOfSheet)
     }
 
-    fn gap(&self, ray: &Ray<Camera>, sight: &Ray<World>) -> Result<f64, MeetingError> {
+    fn gap(&self, angle: f64, sight: &Ray<World>) -> Result<f64, MeetingError> {
+        let ray = self.sheet.ray_at(angle);
         let light = self
             .stack
-            .trace(&self.world_from_camera.ray(ray))
+            .trace(&self.world_from_camera.ray(&ray))
             .map_err(MeetingError::Beam)?;
         Ok(closest_approach(&light, sight)?.gap)
     }

@@ -88,8 +88,8 @@ pub fn laser_ray(
             };
             let sight = refracted_sight(rig, world_from_camera, stack, pixel)?;
             let in_air = rig.triangulate(rig.camera.slope(pixel)?);
-            let start = in_air.and_then(|lit| sheet.ray_to(lit.point));
-            fan.ray_to(&sight, &start.ok_or(MeetingError::NoRayOfSheet)?)?
+            let in_air = in_air.ok_or(MeetingError::NoRayOfSheet)?;
+            sheet.ray_at(fan.angle_to(&sight, sheet.angle_of(in_air.point))?)
         }
     };
     Ok(world_from_camera.ray(&ray))

@@ -5,6 +5,8 @@ mod back;
 mod choice;
 mod fan;
 mod grain;
+mod line;
+mod media;
 mod meeting;
 mod neighbours;
 mod select;
@@ -13,6 +15,7 @@ mod uncertainty;
 pub use choice::{
     Choice, Neighbourhood, ObjectPoint, ObjectSettings, Refusal, find_object, object_grain,
 };
+pub use media::propose_media;
 pub use meeting::{Meeting, MeetingError, laser_ray, line_of_sight, meet, meet_unrefracted};
 pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, index_sigmas, noise};
 

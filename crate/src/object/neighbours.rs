@@ -17,6 +17,7 @@
 
 use nalgebra::Vector3;
 
+use super::{Meeting, Noise};
 use crate::geometry::{Point, Ray, World};
 
 /// A view's beam behind the wall, and a place on it where the object may be.
@@ -26,6 +27,17 @@ pub(super) struct Place {
     pub(super) point: Point<World>,
     /// One standard deviation of its depth along the beam, mm.
     pub(super) sigma: f64,
+}
+
+impl Place {
+    pub(super) fn new(meeting: &Meeting, noise: &Noise, beam: &Ray<World>) -> Self {
+        let along = beam.direction.vector();
+        let variance = (along.transpose() * noise.covariance * along).x;
+        Self {
+            point: meeting.point(),
+            sigma: variance.sqrt(),
+        }
+    }
 }
 
 /// What the neighbours say of a place.
@@ -44,21 +56,33 @@ impl Misfit {
     /// The object is where the forecast says, but for an edge between; and there were a few forecasts to
     /// choose from.
     pub(super) fn favour(&self) -> f64 {
-        /// How often an edge of the object spoils the forecasts of an axis.
-        const EDGE: f64 = 0.3;
         /// Ghosts seem to lie anywhere within this, mm.
         const ANYWHERE: f64 = 100.0;
         /// Forecasts of an axis that differ.
         const CHOICE: f64 = 3.0;
-        // Student's distribution with two degrees of freedom: where a surface bends more than elsewhere, a
-        // forecast is off by more than its sigma more often than a normal distribution allows.
-        let z = self.off / self.sigma;
-        let tail = 2.0 + z * z;
-        let here = 1.0 / (tail * tail.sqrt() * self.sigma);
+        /// Student's density at 0.
+        const TOP: f64 = 0.353_553_390_593_273_8;
+        let here = TOP * self.student() / self.sigma;
         libm::log(EDGE + (1.0 - EDGE) * here * ANYWHERE / CHOICE)
+    }
+
+    /// How well the place agrees, as a logarithm: 0 where it is as foretold. Unlike [`Misfit::favour`] it
+    /// does not reward a forecast for being sharp, so that it compares one place in different media.
+    pub(super) fn agreement(&self) -> f64 {
+        libm::log(EDGE + (1.0 - EDGE) * self.student())
+    }
+
+    /// Student's distribution with two degrees of freedom, 1 at its top: where a surface bends more than
+    /// elsewhere, a forecast is off by more than its sigma more often than a normal distribution allows.
+    fn student(&self) -> f64 {
+        let z = self.off / self.sigma;
+        let tail = 1.0 + 0.5 * z * z;
+        1.0 / (tail * tail.sqrt())
     }
 }
 
+/// How often an edge of the object spoils the forecasts of an axis.
+const EDGE: f64 = 0.3;
 /// Along the sweep, across it, and between.
 const AXES: usize = 4;
 /// As many neighbours are asked on each side: two make a line.

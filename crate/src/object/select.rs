@@ -207,12 +207,7 @@ fn round(
 }
 
 fn place(spot: &Fitting, beam: &Ray<World>) -> Place {
-    let along = beam.direction.vector();
-    let variance = (along.transpose() * spot.point.noise.covariance * along).x;
-    Place {
-        point: spot.point.meeting.point(),
-        sigma: variance.sqrt(),
-    }
+    Place::new(&spot.point.meeting, &spot.point.noise, beam)
 }
 
 /// Refuses what no neighbours speak for, where there are ghosts at all: about as many may stand alone in

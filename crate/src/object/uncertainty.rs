@@ -2,9 +2,10 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{Meeting, MeetingError, Setup, meet};
+use super::{Meeting, MeetingError, Setup, laser_ray, line_of_sight, meet};
 use crate::camera::Pixel;
-use crate::optics::Media;
+use crate::geometry::{Point, World};
+use crate::optics::{Media, Path, Stack};
 use crate::rig::{Calibration, Rig};
 use crate::scan::{InsideMedium, Station};
 use crate::spots::Spot;
@@ -32,24 +33,30 @@ impl Noise {
 
 /// How the point and the gap change with one number.
 #[derive(Clone, Copy, Debug)]
-struct Slope {
+pub(super) struct Slope {
     point: Vector3<f64>,
     gap: f64,
 }
 
 impl Slope {
-    fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
+    pub(super) fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
         Self {
             point: (ahead.point() - back.point()) / (2.0 * step),
             gap: (ahead.gap() - back.gap()) / (2.0 * step),
         }
     }
+
+    /// How the point changes if something else follows, which alone changes it as `follower` says, so that
+    /// the gap stays.
+    pub(super) fn following(&self, follower: &Self) -> Vector3<f64> {
+        self.point - follower.point * (self.gap / follower.gap)
+    }
 }
 
 /// Steps for the central differences: px, and radians or mm of the wall's parameters. Far above
 /// rounding, far below where the light paths bend noticeably.
-const PIXEL_STEP: f64 = 1e-3;
-const WALL_STEP: f64 = 1e-5;
+pub(super) const PIXEL_STEP: f64 = 1e-3;
+pub(super) const WALL_STEP: f64 = 1e-5;
 
 /// Propagates the centroid's covariance and that of the wall's fit to a point.
 ///
@@ -79,17 +86,22 @@ pub fn noise(
             PIXEL_STEP,
         ),
     ];
+    // A free form has hundreds of parameters; what matters are those near the two light paths.
+    let movers = wall
+        .outer
+        .movers(&crossings(setup, station, &stack, spot.pixel())?);
     let through = |parameter: usize, step: f64| {
         let mut steps = DVector::zeros(wall.outer.freedom());
         steps[parameter] = step;
         let stack = wall.nudged(&steps).stack(&setup.media, station.inside)?;
         meet(setup.rig, &station.world_from_camera, &stack, spot.pixel())
     };
-    let by_wall = (0..wall.outer.freedom())
+    let by_wall = movers
+        .iter()
         .map(|p| {
             Ok(Slope::between(
-                &through(p, WALL_STEP)?,
-                &through(p, -WALL_STEP)?,
+                &through(*p, WALL_STEP)?,
+                &through(*p, -WALL_STEP)?,
                 WALL_STEP,
             ))
         })
@@ -97,7 +109,7 @@ pub fn noise(
     let camera = spot.covariance_matrix();
     let grainy = spot.covariance_with(grain);
     let (of_spot, gap) = propagated(&by_pixel, |i, j| grainy[(i, j)]);
-    let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(i, j)]);
+    let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(movers[i], movers[j])]);
     let unit_of_grain = spot.covariance_with(1.0) - camera;
     Ok(Noise {
         covariance: of_spot + of_wall,
@@ -105,6 +117,24 @@ pub fn noise(
         gap_camera: propagated(&by_pixel, |i, j| camera[(i, j)]).1,
         gap_grain: propagated(&by_pixel, |i, j| unit_of_grain[(i, j)]).1,
     })
+}
+
+/// Where the laser's light and the line of sight of a pixel cross the wall's faces.
+fn crossings(
+    setup: &Setup,
+    station: &Station,
+    stack: &Stack,
+    pixel: Pixel,
+) -> Result<Vec<Point<World>>, MeetingError> {
+    let pose = &station.world_from_camera;
+    let beam = stack
+        .path(&laser_ray(setup.rig, pose, stack, pixel)?)
+        .map_err(MeetingError::Beam)?;
+    let sight = stack
+        .path(&line_of_sight(setup.rig, pose, pixel)?)
+        .map_err(MeetingError::Sight)?;
+    let bends = |path: Path| path.vertices.into_iter().skip(1);
+    Ok(bends(beam).chain(bends(sight)).collect())
 }
 
 /// J C J^T for the point, and the same for the gap, a variance.

@@ -19,7 +19,7 @@ impl Reconstruction<'_> {
     pub fn light_paths(&self, view: usize) -> Option<LightPaths> {
         let points = &self.object[view].points;
         let object = points.get(points.len() / 2)?;
-        let station = &self.scan.stations[view];
+        let station = &self.stations[view];
         let pose = &station.world_from_camera;
         let pixel = self.spots[view].spots[object.spot].pixel();
         let stack = self.vessel.wall.stack(&self.media, station.inside).ok()?;

@@ -35,13 +35,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Pixel;
 use crate::geometry::{Point, World};
-use crate::index::{IndexError, IndexMethod, IndexRange, IndexStudy};
+use crate::index::{IndexError, IndexMethod, IndexRange, IndexStudy, Verdict};
 use crate::object::{
-    Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, index_sigmas, meet_unrefracted,
+    Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, index_sigmas,
+    meet_unrefracted, propose_media,
 };
 use crate::optics::Media;
-use crate::scan::{Archive, Scan, ScanError, Station};
-use crate::spots::{SpotSettings, Spots, find_spots};
+use crate::rig::Laser;
+use crate::scan::{Archive, InsideMedium, Scan, ScanError, Station};
+use crate::spots::{SpotSettings, Spots, find_line, find_spots};
 use crate::vessel::{VesselError, VesselFit, VesselSettings};
 use index::Measured;
 
@@ -57,6 +59,9 @@ pub struct Settings {
     pub object: ObjectSettings,
     /// The liquid's refractive index, in place of the manifest's.
     pub index: Option<f64>,
+    /// Whether views are measured in the medium that the scan itself proposes, where that is not the
+    /// manifest's.
+    pub accept_media: bool,
     /// How the liquid's refractive index is estimated, in place of taking the manifest's.
     pub index_method: Option<IndexMethod>,
     /// Where an unknown index is looked for.
@@ -101,6 +106,10 @@ pub struct Reconstruction<'a> {
     /// The media that were used. Where the index is not determined, the liquid's is only where the search
     /// for it started.
     pub media: Media,
+    /// The scan's stations; where media were accepted, with those.
+    pub stations: Vec<Station>,
+    /// What each view's beam seems to enter, where that is not what the manifest says.
+    pub inside_proposed: Vec<Option<InsideMedium>>,
     /// The liquid's index, and what it is worth.
     pub index: InsideIndex,
     /// What all methods say of it, where it was estimated.
@@ -119,20 +128,24 @@ impl Reconstruction<'_> {
         Setup {
             rig: &self.scan.rig,
             calibration_sigma: &self.scan.calibration_sigma,
-            stations: &self.scan.stations,
+            stations: &self.stations,
             vessel: &self.vessel,
             media: self.media,
         }
     }
 }
 
-/// Reads a view's pictures and finds its spots.
+/// Reads a view's pictures and finds its spots, or the points of its line.
 pub fn observe<R: Read + Seek>(
     archive: &mut Archive<R>,
     view: usize,
     settings: &Settings,
 ) -> Result<Spots, ScanError> {
-    Ok(find_spots(&archive.pictures(view)?, &settings.spots))
+    let pictures = archive.pictures(view)?;
+    Ok(match &archive.scan().rig.laser {
+        Laser::Beam(_) => find_spots(&pictures, &settings.spots),
+        Laser::Sheet(sheet) => find_line(&pictures, sheet.profiles(), &settings.spots),
+    })
 }
 
 /// Measures vessel and object from the spots of all views, which stand in the manifest's order.
@@ -148,24 +161,39 @@ pub fn reconstruct<'a>(
     let Measured {
         vessel,
         media,
-        object,
+        mut object,
         index,
         study,
     } = index::measure(scan, spots, settings, wanted)?;
-    let setup = Setup {
+    let setup = |stations| Setup {
         rig: &scan.rig,
         calibration_sigma: &scan.calibration_sigma,
-        stations: &scan.stations,
+        stations,
         vessel: &vessel,
         media,
     };
-    let common_sigmas = common_sigmas(&setup, spots, &object, index.sigma);
+    let as_said = setup(&scan.stations);
+    // An index that was estimated with views in the wrong medium is no ground to judge them by.
+    let inside_proposed = match index.verdict {
+        Verdict::Given => propose_media(&as_said, spots, &object, &settings.object),
+        _ => vec![None; scan.stations.len()],
+    };
+    let mut stations = scan.stations.clone();
+    if settings.accept_media && inside_proposed.iter().any(Option::is_some) {
+        for (station, proposed) in stations.iter_mut().zip(&inside_proposed) {
+            station.inside = proposed.unwrap_or(station.inside);
+        }
+        object = find_object(&setup(&stations), spots, &settings.object);
+    }
+    let common_sigmas = common_sigmas(&setup(&stations), spots, &object, index.sigma);
     let unrefracted = unrefracted(scan, spots, &object);
     Ok(Reconstruction {
         scan,
         spots,
         vessel,
         media,
+        stations,
+        inside_proposed,
         index,
         index_study: study,
         object,
@@ -181,8 +209,16 @@ fn common_sigmas(
     object: &[Choice],
     index_sigma: Option<f64>,
 ) -> Vec<Vec<CommonSigma>> {
-    let views = object.iter().zip(spots);
-    let pixels: Vec<_> = views.map(|(choice, view)| pixels(choice, view)).collect();
+    // It hardly changes from one point of a line to the next.
+    let shared_by = match setup.rig.laser {
+        Laser::Beam(_) => 1,
+        Laser::Sheet(_) => 8,
+    };
+    let some = |(choice, view)| {
+        let pixels = pixels(choice, view).into_iter();
+        pixels.step_by(shared_by).collect()
+    };
+    let pixels: Vec<_> = object.iter().zip(spots).map(some).collect();
     let mut sigmas = calibration_sigmas(setup, &pixels);
     if let Some(index_sigma) = index_sigma {
         let index = index_sigmas(setup, &pixels, index_sigma);
@@ -190,7 +226,11 @@ fn common_sigmas(
             *sigma = sigma.and(index);
         }
     }
-    sigmas
+    let all = |(choice, sigmas): (&Choice, &Vec<CommonSigma>)| {
+        let points = 0..choice.points.len();
+        points.map(|point| sigmas[point / shared_by]).collect()
+    };
+    object.iter().zip(&sigmas).map(all).collect()
 }
 
 fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Vec<Option<Point<World>>>> {

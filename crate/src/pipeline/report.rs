@@ -2,11 +2,12 @@
 
 use super::Reconstruction;
 use crate::export::{
-    GlowResult, InsideResult, MediaResult, OneOrMany, ReconstructionFormat, ReconstructionResult,
-    ShapeChoiceResult, SpotResult, SpotRole, Status, VesselResult, ViewResult, WallResult,
+    BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
+    VesselResult, ViewResult, WallResult,
 };
 use crate::object::{Choice, ObjectPoint};
-use crate::optics::{Freeform, Surface};
+use crate::optics::{BaseShape, Freeform, Surface};
 use crate::rig::Laser;
 use crate::scan::LengthUnit;
 
@@ -82,14 +83,24 @@ impl Reconstruction<'_> {
         ViewResult {
             id: self.scan.manifest.views[view].id.clone(),
             status,
-            reason: reason(status, choice),
+            reason: self.reason(view),
+            inside_proposed: self.inside_proposed[view],
+            inside: self.inside_proposed[view]
+                .filter(|inside| *inside == self.stations[view].inside),
             vessel: self.of_laser(self.vessel.points[view].iter().map(|p| p.point.to_array())),
             object: points(|p| p.meeting.point().to_array()),
             object_sigma: points(|p| p.noise.sigma().into()),
             object_sigma_calibration: self
                 .of_laser(self.common_sigmas[view].iter().map(|s| s.point.into())),
             ray_distance: self.of_laser(choice.points.iter().map(|p| p.meeting.gap().abs())),
-            spots: self.spot_results(view),
+            spots: match self.scan.rig.laser {
+                Laser::Beam(_) => self.spot_results(view),
+                Laser::Sheet(_) => Vec::new(),
+            },
+            line: match self.scan.rig.laser {
+                Laser::Beam(_) => None,
+                Laser::Sheet(_) => Some(self.line_result(view)),
+            },
         }
     }
 
@@ -113,6 +124,44 @@ impl Reconstruction<'_> {
             Status::NoObjectSpot
         } else {
             Status::Rejected
+        }
+    }
+
+    fn line_result(&self, view: usize) -> LineResult {
+        let choice = &self.object[view];
+        let spots = &self.spots[view].spots;
+        let pixel = |spot: usize| [spots[spot].u, spots[spot].v];
+        let on_vessel = self.vessel.points[view].iter().map(|p| p.spot);
+        let on_object = choice.points.iter().map(|p| p.spot);
+        let mut is_stray = vec![true; spots.len()];
+        for spot in on_vessel.clone().chain(on_object.clone()) {
+            is_stray[spot] = false;
+        }
+        LineResult {
+            vessel: on_vessel.map(pixel).collect(),
+            object: on_object.map(pixel).collect(),
+            stray: (0..spots.len())
+                .filter(|s| is_stray[*s])
+                .map(pixel)
+                .collect(),
+            refused: refused_alike(choice),
+        }
+    }
+
+    fn reason(&self, view: usize) -> Option<String> {
+        let choice = &self.object[view];
+        match self.status(view) {
+            Status::Ok => None,
+            Status::NoVesselSpot if choice.refused.is_empty() => Some("no laser spot".to_owned()),
+            Status::NoVesselSpot => {
+                Some("no spot lies on the wall, and none on the object".to_owned())
+            }
+            Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
+            Status::Rejected => match self.scan.rig.laser {
+                // The brightest spot comes first, and its refusal is the one to know.
+                Laser::Beam(_) => choice.refused.first().map(|(_, why)| why.to_string()),
+                Laser::Sheet(_) => refused_alike(choice).into_iter().next().map(|r| r.reason),
+            },
         }
     }
 
@@ -142,11 +191,17 @@ impl Reconstruction<'_> {
 /// A free-form wall as the spline that it is.
 fn freeform_result(freeform: &Freeform) -> WallResult {
     let sheet = freeform.sheet();
-    let (u, v) = sheet.reference.normal.tangents();
+    let (base, radius) = match sheet.base.shape {
+        BaseShape::Plane => (BaseResult::Plane, None),
+        BaseShape::Cylinder { radius } => (BaseResult::Cylinder, Some(radius)),
+        BaseShape::Sphere { radius } => (BaseResult::Sphere, Some(radius)),
+    };
     WallResult::Freeform {
-        origin: sheet.reference.point.to_array(),
-        normal: sheet.reference.normal.vector().into(),
-        tangents: [u.into(), v.into()],
+        base,
+        radius,
+        origin: sheet.base.origin.to_array(),
+        normal: sheet.base.normal.vector().into(),
+        tangents: sheet.base.tangents.map(Into::into),
         start: sheet.grid.start.into(),
         step: sheet.grid.step.into(),
         columns: sheet.grid.columns,
@@ -156,16 +211,7 @@ fn freeform_result(freeform: &Freeform) -> WallResult {
     }
 }
 
-fn reason(status: Status, choice: &Choice) -> Option<String> {
-    match status {
-        Status::Ok => None,
-        Status::NoVesselSpot if choice.refused.is_empty() => Some("no laser spot".to_owned()),
-        Status::NoVesselSpot => Some("no spot lies on the wall, and none on the object".to_owned()),
-        Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
-        // The brightest spot comes first, and its refusal is the one to know.
-        Status::Rejected => choice
-            .refused
-            .first()
-            .map(|(_, refusal)| refusal.to_string()),
-    }
+/// Why points of a line were refused, most frequent first.
+fn refused_alike(choice: &Choice) -> Vec<RefusedResult> {
+    RefusedResult::alike(choice.refused.iter().map(|(_, refusal)| refusal.kind()))
 }

@@ -3,6 +3,7 @@
 use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
 use crate::index::Verdict;
+use crate::scan::{InsideMedium, VesselShape};
 use crate::text::{count, some_of};
 
 impl Reconstruction<'_> {
@@ -15,6 +16,7 @@ impl Reconstruction<'_> {
         warnings.extend(saturated(self).map(about(Stage::Spots)));
         let of_vessel = [off_epipolar_line(self), thickness(self), shape(self)];
         warnings.extend(of_vessel.into_iter().flatten().map(about(Stage::Vessel)));
+        warnings.extend(media(self).into_iter().map(about(Stage::Object)));
         warnings
     }
 }
@@ -118,13 +120,42 @@ fn thickness(reconstruction: &Reconstruction) -> Option<String> {
     })
 }
 
-/// A shape that `auto` chose by a hair.
+/// Views that fit another medium far better than the one that the manifest names.
+fn media(reconstruction: &Reconstruction) -> Vec<String> {
+    let kinds = [
+        (InsideMedium::Air, "air", "the liquid"),
+        (InsideMedium::Liquid, "the liquid", "air"),
+    ];
+    let ids = |medium: InsideMedium| -> Vec<&str> {
+        let proposed = reconstruction.inside_proposed.iter();
+        let views = proposed.zip(&reconstruction.scan.manifest.views);
+        views
+            .filter(|(proposed, _)| **proposed == Some(medium))
+            .map(|(_, entry)| entry.id.as_str())
+            .collect()
+    };
+    let warn = |(medium, seems, says): (InsideMedium, &str, &str)| {
+        let ids = ids(medium);
+        (!ids.is_empty()).then(|| {
+            let look = if ids.len() == 1 { "looks" } else { "look" };
+            format!(
+                "{} {look} as if the beam entered {seems}, and scan.json says {says}: {}",
+                count(ids.len(), "view"),
+                some_of(&ids)
+            )
+        })
+    };
+    kinds.into_iter().filter_map(warn).collect()
+}
+
+/// A shape that `auto` chose by a hair. A free form can be anything, so it is never far from a simple shape
+/// that is right.
 fn shape(reconstruction: &Reconstruction) -> Option<String> {
     const SETTLED: f64 = 10.0;
     let choice = reconstruction
         .vessel
         .choice
-        .filter(|choice| choice.margin < SETTLED)?;
+        .filter(|choice| choice.margin < SETTLED && choice.runner_up != VesselShape::Freeform)?;
     Some(
         format!(
             "the vessel points support a {:?} hardly better than a {:?}; give vessel.shape if you know it",

@@ -52,7 +52,7 @@ impl EpipolarLine {
         (along > 0.0 && point.coords.z > 0.0).then_some(LitPoint {
             along,
             point,
-            off_line,
+            off_line: Some(off_line),
         })
     }
 

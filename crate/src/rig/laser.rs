@@ -1,5 +1,7 @@
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
+use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Plane, Point, Ray};
 
 /// The laser of a range finder, in the camera frame.
@@ -21,6 +23,39 @@ pub struct Sheet {
     pub apex: Point<Camera>,
     /// The unit normal of the sheet; its side means nothing.
     pub normal: Direction<Camera>,
+}
+
+/// The pixels that a profile across the sheet's line is taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Profiles {
+    /// One profile a row: the line runs down the picture rather than across.
+    Rows,
+    /// One profile a column.
+    Columns,
+}
+
+impl Profiles {
+    /// The pixel at a place in a profile.
+    pub const fn pixel(self, profile: f64, at: f64) -> Pixel {
+        match self {
+            Self::Rows => Pixel::new(at, profile),
+            Self::Columns => Pixel::new(profile, at),
+        }
+    }
+
+    /// The pixel's profile, and the place in it.
+    pub const fn place(self, pixel: Pixel) -> (f64, f64) {
+        match self {
+            Self::Rows => (pixel.v, pixel.u),
+            Self::Columns => (pixel.u, pixel.v),
+        }
+    }
+
+    /// The pixel so much farther along its profile.
+    pub fn moved(self, pixel: Pixel, step: f64) -> Pixel {
+        let (profile, at) = self.place(pixel);
+        self.pixel(profile, at + step)
+    }
 }
 
 impl Laser {
@@ -97,11 +132,29 @@ impl Sheet {
         Ray::new(self.apex, direction)
     }
 
-    /// A ray of the sheet turned within it by an angle, radians.
-    pub fn turned(&self, ray: &Ray<Camera>, angle: f64) -> Ray<Camera> {
-        let ahead = ray.direction.vector();
+    /// The ray of the sheet at an angle from its axis, radians.
+    pub fn ray_at(&self, angle: f64) -> Ray<Camera> {
+        let ahead = self.axis().direction.vector();
         let aside = self.normal.vector().cross(&ahead);
         let turned = ahead * libm::cos(angle) + aside * libm::sin(angle);
-        Ray::new(ray.origin, Direction::assume_unit(turned))
+        Ray::new(self.apex, Direction::assume_unit(turned))
+    }
+
+    /// The angle of the ray towards a point, as [`Sheet::ray_at`] counts it.
+    pub fn angle_of(&self, point: Point<Camera>) -> f64 {
+        let ahead = self.axis().direction.vector();
+        let aside = self.normal.vector().cross(&ahead);
+        let to = point - self.apex;
+        libm::atan2(to.dot(&aside), to.dot(&ahead))
+    }
+
+    /// Along which pixels the line moves with the distance of what it falls on.
+    pub fn profiles(&self) -> Profiles {
+        let normal = self.normal.vector();
+        if normal.x.abs() >= normal.y.abs() {
+            Profiles::Rows
+        } else {
+            Profiles::Columns
+        }
     }
 }

@@ -6,7 +6,7 @@ mod laser;
 
 pub use calibration::{Calibration, CalibrationSigma};
 pub use epipolar::EpipolarLine;
-pub use laser::{Laser, Sheet};
+pub use laser::{Laser, Profiles, Sheet};
 
 use crate::camera::{Intrinsics, Slope};
 use crate::geometry::{Camera, Flange, Point, Pose, Ray, World};
@@ -53,9 +53,9 @@ pub struct LitPoint {
     pub along: f64,
     /// The point.
     pub point: Point<Camera>,
-    /// How far it is seen off the beam's epipolar line, in slopes; times the focal length, pixels. 0 for a
-    /// sheet, which every line of sight meets.
-    pub off_line: f64,
+    /// How far it is seen off the beam's epipolar line, in slopes; times the focal length, pixels. A sheet
+    /// has no such line: every line of sight meets it.
+    pub off_line: Option<f64>,
 }
 
 /// Where a line of sight meets the sheet.
@@ -66,6 +66,6 @@ fn in_sheet(sheet: &Sheet, sight: Slope) -> Option<LitPoint> {
     (away > 0.0).then_some(LitPoint {
         along: point.distance(sheet.apex),
         point,
-        off_line: 0.0,
+        off_line: None,
     })
 }

@@ -159,8 +159,8 @@ fn invented(
         (GhostKind::OnLine, on_beam(simulation, view, along)?)
     } else {
         let truth = [
-            landing.outer.map(|p| (p, 0)),
-            landing.object.map(|p| (p, 2)),
+            landing.faces.first().map(|p| (*p, 0)),
+            landing.object.map(|p| (p, simulation.faces())),
         ];
         let (point, faces) = truth[random.random_range(0..2)].or(truth[0])?;
         let near = simulation.seen(view, point, faces)?;

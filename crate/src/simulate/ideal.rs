@@ -23,13 +23,13 @@ impl Simulation {
         };
         let brightness = &self.scene.brightness;
         let mut spots = Vec::new();
-        if let Some(outer) = seen(landing.outer, 0) {
+        if let Some(outer) = seen(landing.faces.first().copied(), 0) {
             let light = brightness.outer_face + brightness.inner_face;
-            let inner = seen(landing.inner, 1).unwrap_or(outer);
+            let inner = seen(landing.faces.get(1).copied(), 1).unwrap_or(outer);
             let offset = Vector2::new(inner.u - outer.u, inner.v - outer.v);
             spots.push(self.spot(outer, offset, brightness.inner_face / light, light));
         }
-        if let Some(pixel) = seen(landing.object, 2) {
+        if let Some(pixel) = seen(landing.object, self.faces()) {
             spots.push(self.spot(pixel, Vector2::zeros(), 0.0, brightness.object));
         }
         for spot in &mut spots {
@@ -40,6 +40,7 @@ impl Simulation {
         Spots {
             spots,
             noise: self.scene.noise.read,
+            line: None,
         }
     }
 

@@ -14,8 +14,8 @@ mod truth;
 
 pub use ghosts::{Ghost, GhostKind, Ghosts};
 pub use scene::{
-    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Scene, SceneError,
-    SceneMedia, SceneObject, Sweep, Turntable, Vessel,
+    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Relief, Scene, SceneError,
+    SceneFarWall, SceneMedia, SceneObject, Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -25,7 +25,7 @@ use nalgebra::UnitQuaternion;
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
-use crate::rig::Rig;
+use crate::rig::{Laser, Rig, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
@@ -44,14 +44,17 @@ pub struct Simulation {
 const GHOST_WIDTH: f64 = 1.3;
 
 /// Where the laser's light lands in a view.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Landing {
-    outer: Option<Point<World>>,
-    inner: Option<Point<World>>,
+    /// On the wall's faces, from the rig inwards: outer, inner, and those of a far wall.
+    faces: Vec<Point<World>>,
     object: Option<Point<World>>,
     /// On the vessel's back, where no object stands in the way.
     back: Option<Point<World>>,
 }
+
+/// Which vertex of a path lies on the front wall's inner face.
+const INNER: usize = 2;
 
 impl Simulation {
     /// Checks a scene and lays out its stations.
@@ -64,6 +67,7 @@ impl Simulation {
             wall: scene.media.wall,
             liquid: scene.media.inside,
         };
+        wall.stack(&media, InsideMedium::Liquid)?;
         let poses = scene.stations()?;
         manifest.views = poses
             .iter()
@@ -114,6 +118,11 @@ impl Simulation {
         &self.scan.manifest
     }
 
+    /// The true wall.
+    pub const fn wall(&self) -> &Wall {
+        &self.wall
+    }
+
     /// How many views there are.
     pub fn views(&self) -> usize {
         self.scan.stations.len()
@@ -140,9 +149,14 @@ impl Simulation {
     fn medium(&self, view: usize) -> InsideMedium {
         let beam = self.beam(view);
         match self.through(InsideMedium::Liquid).path(&beam) {
-            Ok(path) => self.scene.medium_at(path.last.origin),
+            Ok(path) => self.scene.medium_at(path.vertices[INNER]),
             Err(_) => InsideMedium::Liquid,
         }
+    }
+
+    /// How many faces light crosses on its way to the objects.
+    const fn faces(&self) -> usize {
+        if self.wall.far.is_some() { 4 } else { 2 }
     }
 
     fn stack(&self, view: usize) -> Stack {
@@ -179,8 +193,7 @@ impl Simulation {
         };
         let nearest = shapes::nearest(&self.solids, &path.last);
         Landing {
-            outer: path.vertices.get(1).copied(),
-            inner: path.vertices.get(2).copied(),
+            faces: path.vertices[1..].to_vec(),
             object: nearest.map(|hit| hit.point),
             back: match nearest {
                 Some(_) => None,
@@ -195,7 +208,9 @@ impl Simulation {
         const SAME_PLACE: f64 = 0.01;
         let aim = self.aim(view, point, faces)?;
         let arriving = self.arriving(view, aim, faces)?;
-        let hit = shapes::nearest(&self.solids, &arriving);
+        // All solids stand behind the last face.
+        let behind_all = faces == self.faces();
+        let hit = shapes::nearest(&self.solids, &arriving).filter(|_| behind_all);
         let way = arriving.origin.distance(point);
         if hit.is_some_and(|hit| hit.distance < way - SAME_PLACE) {
             return None;
@@ -239,23 +254,38 @@ impl Simulation {
             && (0.0..=f64::from(camera.height - 1)).contains(&v)
     }
 
-    /// Adds the light of a view's spots, true and false.
+    /// Adds the light of the laser: spots, true and false, or lines.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
+        match &self.scan.rig.laser {
+            Laser::Beam(beam) => self.add_beam(view, beam, exposure),
+            Laser::Sheet(sheet) => self.add_sheet(view, sheet, exposure),
+        }
+    }
+
+    fn add_beam(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
         let false_light = ghosts::of(self, view);
         let on_object = match false_light.object_hidden {
             true => 0.0,
             false => brightness.object,
         };
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.laser.axis()) {
+        for (ray, share) in self.scene.beam.rays(beam) {
             let landing = self.landing(view, &ray);
-            let spots = [
-                (landing.outer, 0, brightness.outer_face),
-                (landing.inner, 1, brightness.inner_face),
-                (landing.object, 2, on_object),
-                (landing.back, 2, brightness.back),
+            let glows = [
+                brightness.outer_face,
+                brightness.inner_face,
+                brightness.far_face,
+                brightness.far_face,
             ];
-            for (point, faces, light) in spots.into_iter().filter(|(.., light)| *light > 0.0) {
+            // A glow on a face is seen through the faces before it.
+            let on_faces = landing.faces.iter().zip(glows).enumerate();
+            let on_faces = on_faces.map(|(face, (point, light))| (Some(*point), face, light));
+            let behind = [
+                (landing.object, self.faces(), on_object),
+                (landing.back, self.faces(), brightness.back),
+            ];
+            let spots = on_faces.chain(behind);
+            for (point, faces, light) in spots.filter(|(.., light)| *light > 0.0) {
                 let pixel = point.and_then(|point| self.seen(view, point, faces));
                 if let Some(pixel) = pixel {
                     exposure.add_spot(pixel, self.scene.beam.blur, share * light);
@@ -270,6 +300,56 @@ impl Simulation {
                 ghost.light,
             );
         }
+    }
+
+    /// Draws the lines ray by ray: each ray's light is spread over its way from the ray before it.
+    fn add_sheet(&self, view: usize, sheet: &Sheet, exposure: &mut Exposure) {
+        /// Rays that land farther apart, px, are on different surfaces.
+        const CONNECTED: f64 = 4.0;
+        let fan = self.scene.beam.fan(sheet, &self.scan.rig.camera);
+        let brightness = &self.scene.brightness;
+        let lights = [
+            brightness.outer_face,
+            brightness.inner_face,
+            brightness.far_face,
+            brightness.far_face,
+            brightness.object,
+            brightness.back,
+        ];
+        let mut before = vec![[None; 6]; fan.first().map_or(0, Vec::len)];
+        for rays in &fan {
+            for ((ray, share), before) in rays.iter().zip(&mut before) {
+                let pixels = self.glows(view, ray);
+                let steps = pixels.iter().zip(*before).zip(lights);
+                for ((pixel, before), light) in steps {
+                    let Some((pixel, before)) = pixel.zip(before) else {
+                        continue;
+                    };
+                    let way = pixel.distance(before);
+                    if way < CONNECTED {
+                        exposure.add_spot(pixel, self.scene.beam.blur, share * light * way);
+                    }
+                }
+                *before = pixels;
+            }
+        }
+    }
+
+    /// Where the camera sees a ray's light on the faces of the wall and of the far wall, on the object and
+    /// on the vessel's back.
+    fn glows(&self, view: usize, ray: &Ray<Camera>) -> [Option<Pixel>; 6] {
+        let landing = self.landing(view, ray);
+        let face = |face: usize| (landing.faces.get(face).copied(), face);
+        let back = landing.back.filter(|_| self.scene.brightness.back > 0.0);
+        let places = [
+            face(0),
+            face(1),
+            face(2),
+            face(3),
+            (landing.object, self.faces()),
+            (back, self.faces()),
+        ];
+        places.map(|(point, faces)| self.seen(view, point?, faces))
     }
 }
 

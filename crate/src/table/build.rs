@@ -283,11 +283,12 @@ impl<'a> Fixed<'a> {
     }
 }
 
-/// The narrower half width of the best located spot of a scan, px.
+/// One standard deviation of the best located spot of a scan along the worse of its axes, px; a point of
+/// a line has but one.
 fn finest_spot(reconstruction: &Reconstruction) -> f64 {
     let spots = reconstruction.spots.iter().flat_map(|view| &view.spots);
-    let narrower = |spot: &Spot| spot.covariance_matrix().symmetric_eigenvalues().min();
-    spots.map(narrower).fold(f64::INFINITY, f64::min).sqrt()
+    let worse = |spot: &Spot| spot.covariance_matrix().symmetric_eigenvalues().max();
+    spots.map(worse).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// A spot at a pixel, located to a variance, px^2, each way.

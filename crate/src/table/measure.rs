@@ -3,7 +3,8 @@ use nalgebra::{Matrix3, Matrix3x2, UnitQuaternion, Vector2, Vector3};
 use super::{Seen, Table};
 use crate::camera::Pixel;
 use crate::export::{
-    OneOrMany, ReconstructionFormat, ReconstructionResult, SpotResult, SpotRole, Status, ViewResult,
+    LineResult, OneOrMany, ReconstructionFormat, ReconstructionResult, RefusedResult, SpotResult,
+    SpotRole, Status, ViewResult,
 };
 use crate::geometry::{Camera, Point, Pose, World, ZeroLength};
 use crate::object::{ObjectSettings, Refusal};
@@ -189,13 +190,22 @@ impl Measurement<'_> {
                 Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
                 Status::Rejected => sights.iter().find_map(reason),
             },
+            inside_proposed: None,
+            inside: None,
             vessel: self.of_laser(walls()),
             object: self.of_laser(objects().map(|f| pose.point(f.seen.point).to_array())),
             object_sigma: self.of_laser(objects().map(|f| self.sigma(f, pose))),
             object_sigma_calibration: self
                 .of_laser(objects().map(|f| self.turned(&f.seen.of_calibration, pose).into())),
             ray_distance: self.of_laser(objects().map(|f| f.seen.gap.abs())),
-            spots: spots.iter().zip(&sights).map(spot_result).collect(),
+            spots: match self.scan.rig.laser {
+                Laser::Beam(_) => spots.iter().zip(&sights).map(spot_result).collect(),
+                Laser::Sheet(_) => Vec::new(),
+            },
+            line: match self.scan.rig.laser {
+                Laser::Beam(_) => None,
+                Laser::Sheet(_) => Some(line_result(spots, &sights)),
+            },
         }
     }
 
@@ -244,7 +254,8 @@ impl Measurement<'_> {
             .scan
             .rig
             .triangulate(camera.slope(spot.pixel()).ok()?)?;
-        ((lit.off_line * camera.mean_focal()).abs() <= TOLERANCE).then_some(lit.point)
+        let off = lit.off_line.map_or(0.0, |off| off * camera.mean_focal());
+        (off.abs() <= TOLERANCE).then_some(lit.point)
     }
 
     /// The centroid's covariance carried to the point (camera frame), and the gap's variance, mm^2.
@@ -317,6 +328,22 @@ fn keep_first_on_wall(sights: &mut [Sight], laser: Point<Camera>) {
         if matches!(sight, Sight::Wall(_)) && Some(index) != first {
             *sight = Sight::OutOfReach;
         }
+    }
+}
+
+fn line_result(spots: &[Spot], sights: &[Sight]) -> LineResult {
+    let pixels = |is: fn(&Sight) -> bool| {
+        let those = spots.iter().zip(sights).filter(|(_, sight)| is(sight));
+        those.map(|(spot, _)| [spot.u, spot.v]).collect()
+    };
+    LineResult {
+        vessel: pixels(|sight| matches!(sight, Sight::Wall(_))),
+        object: pixels(|sight| matches!(sight, Sight::Object(_))),
+        stray: pixels(|sight| matches!(sight, Sight::Refused(_) | Sight::OutOfReach)),
+        refused: RefusedResult::alike(sights.iter().filter_map(|sight| match sight {
+            Sight::Refused(refusal) => Some(refusal.kind()),
+            other => reason(other),
+        })),
     }
 }
 

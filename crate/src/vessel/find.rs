@@ -10,7 +10,7 @@ use super::wall::{FarWall, NoRoom, Wall};
 use crate::camera::Pixel;
 use crate::geometry::{FitError, Point, WeightedPoint, World};
 use crate::optics::{Media, Surface};
-use crate::rig::Rig;
+use crate::rig::{Laser, Rig};
 use crate::robust;
 use crate::scan::{Scan, Station, VesselShape};
 use crate::spots::{Spot, Spots};
@@ -54,8 +54,9 @@ pub struct VesselPoint {
     pub point: Point<World>,
     /// One standard deviation across the wall, from the centroid's noise, mm.
     pub sigma: f64,
-    /// How far the spot lies off the epipolar line, px: a health figure of the calibration.
-    pub off_line: f64,
+    /// How far the spot lies off the epipolar line, px: a health figure of the calibration. A sheet has
+    /// no such line.
+    pub off_line: Option<f64>,
     /// How far the point lies in front of the fitted wall, mm.
     pub residual: f64,
 }
@@ -93,6 +94,12 @@ struct Row {
 /// Why there is no wall.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VesselError {
+    /// No view shows a line long enough to be the wall's.
+    #[error(
+        "no view shows the laser's line on the vessel's wall; check the laser's calibration and that \
+         the on and off pictures are not exchanged"
+    )]
+    NoLine,
     /// No spot of any view lies near the epipolar line.
     #[error(
         "no view has a spot within {tolerance} px of the epipolar line, so the vessel's wall is not \
@@ -170,29 +177,32 @@ pub fn find_vessel(
         }),
         front: usual_place(&scan.stations),
     };
-    finder.find()
+    match &scan.rig.laser {
+        Laser::Beam(_) => finder.find(),
+        Laser::Sheet(sheet) => finder.find_on_line(sheet),
+    }
 }
 
 /// What does not change while the wall is found.
-struct Finder<'a> {
-    rig: &'a Rig,
-    stations: &'a [Station],
-    spots: &'a [Spots],
+pub(super) struct Finder<'a> {
+    pub(super) rig: &'a Rig,
+    pub(super) stations: &'a [Station],
+    pub(super) spots: &'a [Spots],
     media: &'a Media,
-    settings: &'a VesselSettings,
-    shape: VesselShape,
-    known: Option<Surface>,
-    thickness: f64,
+    pub(super) settings: &'a VesselSettings,
+    pub(super) shape: VesselShape,
+    pub(super) known: Option<Surface>,
+    pub(super) thickness: f64,
     far: Option<FarWall>,
-    front: Point<World>,
+    pub(super) front: Point<World>,
 }
 
 /// A view's vessel spot, and where its outer glow is.
 #[derive(Clone, Copy)]
-struct Pick {
-    view: usize,
-    candidate: Candidate,
-    pixel: Pixel,
+pub(super) struct Pick {
+    pub(super) view: usize,
+    pub(super) candidate: Candidate,
+    pub(super) pixel: Pixel,
 }
 
 impl Pick {
@@ -263,7 +273,7 @@ impl Finder<'_> {
     }
 
     /// Holds the points against a wall that is known beforehand.
-    fn hold_against(
+    pub(super) fn hold_against(
         &self,
         known: Surface,
         points: &[WeightedPoint<World>],
@@ -287,7 +297,7 @@ impl Finder<'_> {
             let spot = self.spot(pick.view, &pick.candidate);
             OffLine {
                 along: pick.candidate.along,
-                off: pick.candidate.off_line,
+                off: pick.candidate.off_line.unwrap_or(0.0),
                 variance: (normal.transpose() * spot.covariance_matrix() * normal).x,
                 width: spot.width_along(normal),
             }
@@ -306,22 +316,20 @@ impl Finder<'_> {
         &self.spots[view].spots[candidate.spot]
     }
 
-    /// Triangulates the picks in air, as the range finder `rig` would.
-    fn points(&self, rig: &Rig, picks: &[Pick], near: &Surface) -> Vec<WeightedPoint<World>> {
+    /// Triangulates the picks in air.
+    fn points(&self, picks: &[Pick], near: &Surface) -> Vec<WeightedPoint<World>> {
+        let rig = self.rig;
         let one = |pick: &Pick| {
             let world_from_camera = rig.station(&self.stations[pick.view].world_from_flange);
             let point = match pick::lit_point(rig, pick.pixel) {
                 Some(lit) => world_from_camera.point(lit.point),
                 None => world_from_camera.point(pick.candidate.point),
             };
-            let light = rig.laser.ray_to(pick.candidate.point);
+            let way = world_from_camera.direction(pick.candidate.way);
             // An error along the light counts across the wall by the cosine of incidence.
-            let cosine = light
-                .zip(near.normal_at(point))
-                .map_or(1.0, |(ray, normal)| {
-                    let along = world_from_camera.direction(ray.direction);
-                    along.dot(normal).abs()
-                });
+            let cosine = near
+                .normal_at(point)
+                .map_or(1.0, |normal| way.dot(normal).abs());
             WeightedPoint {
                 point,
                 sigma: pick.candidate.sigma * cosine,
@@ -330,15 +338,15 @@ impl Finder<'_> {
         picks.iter().map(one).collect()
     }
 
-    fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
-        let points = self.points(self.rig, picks, start);
+    pub(super) fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
+        let points = self.points(picks, start);
         if let Some(known) = &self.known {
             return Ok(hold(&points, known.clone()));
         }
         shape::refit(&points, start).ok_or(VesselError::Undetermined { shape: "wall" })
     }
 
-    fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {
+    pub(super) fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {
         if self.far.is_some() && !matches!(outer, Surface::Plane(_)) {
             return Err(VesselError::FarWallNotFlat);
         }
@@ -347,7 +355,7 @@ impl Finder<'_> {
         Ok(wall)
     }
 
-    fn faces(&self, picks: &[Pick], wall: &Wall) -> Vec<Option<Faces>> {
+    pub(super) fn faces(&self, picks: &[Pick], wall: &Wall) -> Vec<Option<Faces>> {
         let one = |pick: &Pick| {
             let pose = &self.stations[pick.view].world_from_camera;
             let light = self.rig.laser.ray_to(pick.candidate.point)?;
@@ -378,7 +386,8 @@ impl Finder<'_> {
                 pick.pixel.v -= share * faces.offset.y;
             }
             if let Some(lit) = pick::lit_point(self.rig, pick.pixel) {
-                pick.candidate.off_line = lit.off_line * self.rig.camera.mean_focal();
+                pick.candidate.off_line =
+                    lit.off_line.map(|off| off * self.rig.camera.mean_focal());
             }
             pick
         };
@@ -386,8 +395,8 @@ impl Finder<'_> {
     }
 
     /// An error that moves all vessel points to those of `moved` moves the wall with them.
-    fn add_uncertainty(&self, fit: &mut SurfaceFit, moved: &[Pick]) {
-        let points = self.points(self.rig, moved, &fit.surface);
+    pub(super) fn add_uncertainty(&self, fit: &mut SurfaceFit, moved: &[Pick]) {
+        let points = self.points(moved, &fit.surface);
         let shift = |(p, before): (&WeightedPoint<World>, &f64)| {
             fit.surface.signed_distance(p.point) - before
         };
@@ -398,7 +407,7 @@ impl Finder<'_> {
         }
     }
 
-    fn assemble(
+    pub(super) fn assemble(
         &self,
         picks: &[Pick],
         faces: &[Option<Faces>],
@@ -406,7 +415,7 @@ impl Finder<'_> {
         (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
         let mut points = vec![Vec::new(); self.stations.len()];
-        let places = self.points(self.rig, picks, &fit.surface);
+        let places = self.points(picks, &fit.surface);
         for (row, (pick, place)) in picks.iter().zip(&places).enumerate() {
             // A point that the fit refused is no point of the wall.
             points[pick.view].extend((fit.weights[row] > 0.0).then(|| VesselPoint {
@@ -453,10 +462,19 @@ impl VesselFit {
         Some(self.wall.nudged(&self.fit.response(&shifts)?))
     }
 
+    /// Takes all points of a line in place of those few that the fit was made with.
+    pub(super) fn replace_points(&mut self, points: Vec<Vec<VesselPoint>>) {
+        let squares = points.iter().flatten().map(|p| p.residual * p.residual);
+        let count = points.iter().flatten().count();
+        self.rms = (squares.sum::<f64>() / count.max(1) as f64).sqrt();
+        self.points = points;
+    }
+
     /// The median of how far the vessel's spots lie off the epipolar line, px, with its sign: 0 if the
     /// laser's calibration is right.
     pub fn median_off_line(&self) -> Option<f64> {
-        let off: Vec<f64> = self.points.iter().flatten().map(|p| p.off_line).collect();
+        let points = self.points.iter().flatten();
+        let off: Vec<f64> = points.filter_map(|p| p.off_line).collect();
         (!off.is_empty()).then(|| robust::median(off))
     }
 }

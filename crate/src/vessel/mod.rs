@@ -5,6 +5,7 @@ mod find;
 mod freeform;
 mod glow;
 mod grain;
+mod line;
 mod mesh;
 mod pick;
 mod refine;

@@ -1,7 +1,7 @@
 //! Which of a view's spots may lie on the wall.
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Point};
+use crate::geometry::{Camera, Direction, Point};
 use crate::rig::{LitPoint, Rig};
 use crate::spots::Spot;
 
@@ -16,8 +16,10 @@ pub(super) struct Candidate {
     pub(super) along: f64,
     /// One standard deviation of that from the centroid's noise, mm.
     pub(super) sigma: f64,
-    /// How far off the epipolar line, px, with a sign.
-    pub(super) off_line: f64,
+    /// Which way such an error moves the point.
+    pub(super) way: Direction<Camera>,
+    /// How far off the epipolar line, px, with a sign; a sheet has none.
+    pub(super) off_line: Option<f64>,
 }
 
 /// The spots within `tolerance` (px) of the epipolar line, in their order along the beam: the first of
@@ -28,7 +30,7 @@ pub(super) fn along_epipolar_line(rig: &Rig, spots: &[Spot], tolerance: f64) -> 
         .iter()
         .enumerate()
         .filter_map(near_line)
-        .filter(|c| c.off_line.abs() <= tolerance)
+        .filter(|c| c.off_line.is_some_and(|off| off.abs() <= tolerance))
         .collect();
     candidates.sort_by(|a, b| a.along.total_cmp(&b.along));
     candidates
@@ -41,7 +43,8 @@ fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
         point: here.point,
         along: here.along,
         sigma: sigma_along(rig, spot, 0.0)?,
-        off_line: here.off_line * rig.camera.mean_focal(),
+        way: rig.laser.ray_to(here.point)?.direction,
+        off_line: here.off_line.map(|off| off * rig.camera.mean_focal()),
     })
 }
 

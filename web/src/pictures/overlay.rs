@@ -4,11 +4,11 @@ use leptos::prelude::*;
 use snellius::export::SpotRole;
 
 use super::look::Window;
-use super::spots::role_name;
+use super::spots::{role_class, role_name};
 use super::{Found, Sheet};
 
-/// More marks would be a colour over the picture.
-const MOST_MARKS: usize = 300;
+/// More marks would be a colour over the picture: the points of a line are dots.
+const MOST_MARKS: usize = 64;
 
 /// Epipolar line and spots, in the picture's own pixels: `(0, 0)` is the middle of the top left one.
 #[component]
@@ -39,11 +39,38 @@ pub(super) fn Overlay(sheet: Sheet, of_picture: &'static str) -> impl IntoView {
             {move || {
                 let window = sheet.window.get();
                 let spots = sheet.spots.get();
-                let marks = spots.iter().enumerate().take(MOST_MARKS);
-                marks.map(|(index, spot)| mark(index, spot, window, (sheet, of_picture))).collect_view()
+                if spots.len() > MOST_MARKS {
+                    return dots(&spots, window).into_any();
+                }
+                let marks = spots.iter().enumerate();
+                let marks = marks.map(|(index, spot)| mark(index, spot, window, (sheet, of_picture)));
+                marks.collect_view().into_any()
             }}
         </svg>
     }
+}
+
+/// The points of a line, small enough that the line shows between them.
+fn dots(spots: &[Found], window: Window) -> impl IntoView + use<> {
+    let of_role = |role: SpotRole| {
+        let own = spots.iter().filter(|spot| spot.role == role);
+        let path: String = own
+            .map(|spot| format!("M{:.2} {:.2}h0", spot.pixel[0], spot.pixel[1]))
+            .collect();
+        let class = format!("spot {}", role_class(role));
+        let style = format!(
+            "stroke-width: {}px; stroke-linecap: round; vector-effect: none",
+            0.5 * window.width / 100.0
+        );
+        view! {
+            <g class=class data-testid=format!("line-{}", role_class(role))>
+                <path d=path style=style />
+            </g>
+        }
+    };
+    [SpotRole::Stray, SpotRole::Vessel, SpotRole::Object]
+        .map(of_role)
+        .collect_view()
 }
 
 fn mark(

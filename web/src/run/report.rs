@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use snellius::camera::{Pixel, Slope};
-use snellius::export::{ShapeChoiceResult, SpotResult, SpotRole, Status, ViewResult};
+use snellius::export::{LineResult, ShapeChoiceResult, SpotResult, SpotRole, Status, ViewResult};
 use snellius::geometry::{Camera, Direction, Point, Pose, World};
 use snellius::optics::Surface;
 use snellius::pipeline::{LightPaths, Reconstruction, Summary, Warning};
@@ -443,12 +443,32 @@ fn view_outcome(
     ViewOutcome {
         status: result.status,
         reason: result.reason,
-        spots: spots.map(Spot::of).collect(),
+        spots: match &result.line {
+            Some(line) => line_spots(line),
+            None => spots.map(Spot::of).collect(),
+        },
         reasons: refused.take(MOST_REASONS).collect(),
         points,
         beam,
         sight,
     }
+}
+
+/// The points of a line: the wall's, the object's, the others.
+fn line_spots(line: &LineResult) -> Vec<Spot> {
+    let roles = [
+        (&line.vessel, SpotRole::Vessel),
+        (&line.object, SpotRole::Object),
+        (&line.stray, SpotRole::Stray),
+    ];
+    let of_role = |(pixels, role): (&Vec<[f64; 2]>, SpotRole)| -> Vec<Spot> {
+        let spot = |pixel: &[f64; 2]| Spot {
+            pixel: pixel.map(|p| p as f32),
+            role,
+        };
+        pixels.iter().map(spot).collect()
+    };
+    roles.into_iter().flat_map(of_role).collect()
 }
 
 fn places(points: &[Point<World>]) -> Vec<Place> {
