@@ -142,7 +142,8 @@ fn the_scene_is_looked_at_from_all_sides_and_measured_in() -> Result<()> {
         };
         let mut square = 0.0;
         for axis in 0..3 {
-            square += (place(4, axis)? - place(5, axis)?).powi(2);
+            let apart = place(4, axis)? - place(5, axis)?;
+            square += apart * apart;
         }
         let expected = square.sqrt();
         let value: f64 = told.split(' ').next().context("nothing")?.parse()?;

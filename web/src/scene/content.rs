@@ -18,7 +18,7 @@ use crate::run::{Facts, Outcome, Place, Shown, StationFacts};
 use crate::state::ColourBy;
 
 /// More beams would hide what they light.
-const MOST_BEAMS: usize = 400;
+const MOST_BEAMS: usize = 150;
 
 /// What is to be seen. Empty until a scan is measured.
 #[derive(Default)]
@@ -185,7 +185,7 @@ impl Content {
 
     /// How large points are drawn, CSS px: of many each is small.
     pub(super) fn point_size(&self) -> f32 {
-        match self.object.len() {
+        match self.object.len().max(self.vessel.len()) {
             0..3_000 => 9.0,
             3_000..30_000 => 5.0,
             _ => 3.0,
