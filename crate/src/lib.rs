@@ -17,6 +17,7 @@ pub mod camera;
 pub mod cli;
 pub mod export;
 pub mod geometry;
+pub mod lab;
 pub mod object;
 pub mod optics;
 pub mod pipeline;

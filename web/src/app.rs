@@ -5,6 +5,7 @@ use leptos::{ev, html, mount};
 use web_sys::{DragEvent, Element};
 
 use crate::files::{self, FILE_INPUT};
+use crate::lab::Lab;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
@@ -53,6 +54,7 @@ fn App() -> impl IntoView {
                 Screen::Result => view! { <ResultScreen /> }.into_any(),
             }}
         </main>
+        <Lab />
     }
 }
 

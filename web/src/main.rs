@@ -11,6 +11,7 @@ mod colours;
 mod downloads;
 mod files;
 mod index;
+mod lab;
 mod legend;
 mod number;
 mod pictures;

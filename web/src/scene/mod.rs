@@ -267,7 +267,7 @@ fn fit_with_key(fit: impl Fn() + 'static) {
 }
 
 /// Tells when the system goes over from light to dark or back.
-fn dark_mode() -> Trigger {
+pub(crate) fn dark_mode() -> Trigger {
     let trigger = Trigger::new();
     let list = web_sys::window().and_then(|window| {
         window
