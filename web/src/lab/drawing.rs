@@ -14,10 +14,6 @@ impl Drawing {
         self.0
     }
 
-    pub(super) fn raw(&mut self, svg: &str) {
-        self.0.push_str(svg);
-    }
-
     pub(super) fn line(&mut self, class: &str, [x1, y1]: At, [x2, y2]: At) {
         let _ = write!(
             self.0,
