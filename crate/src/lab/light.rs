@@ -4,7 +4,7 @@ use super::Bench;
 use crate::camera::{OutsideLens, Pixel, Slope};
 use crate::geometry::{Direction, Point, Pose, Ray, World};
 use crate::object::{Meeting, MeetingError, meet, meet_unrefracted};
-use crate::optics::{AimError, Stack, TotalReflection, TraceProblem, aim_through, refract};
+use crate::optics::{AimError, Stack, TotalReflection, aim_through, refract};
 use crate::rig::Rig;
 
 /// Light where it crosses a face, or fails to.
@@ -303,23 +303,20 @@ fn measure(
 impl LightPath {
     /// The words; `None` for light that gets in.
     pub fn trouble(&self) -> Option<String> {
-        let problem = match self.end {
-            End::Inside => return None,
-            End::ThrownBack { .. } => self.bends.last()?.thrown_back?.into(),
-            End::Misses { .. } => TraceProblem::Miss,
-        };
-        let (End::ThrownBack { face } | End::Misses { face }) = self.end else {
-            return None;
-        };
-        let face = ["outer", "inner"].get(face).unwrap_or(&"next");
-        Some(match problem {
-            TraceProblem::TotalReflection(thrown) => format!(
-                "Total internal reflection at the {face} face: the light comes at {:.1}\u{b0}, and the \
-                 critical angle is {:.1}\u{b0}.",
-                thrown.incidence.to_degrees(),
-                thrown.critical.to_degrees()
-            ),
-            _ => format!("The light passes by the {face} face."),
-        })
+        let name = |face: usize| if face == 0 { "outer" } else { "inner" };
+        match self.end {
+            End::Inside => None,
+            End::Misses { face } => Some(format!("The light passes by the {} face.", name(face))),
+            End::ThrownBack { face } => {
+                let thrown_back = self.bends.last()?.thrown_back?;
+                Some(format!(
+                    "Total internal reflection at the {} face: the light comes at {:.1}\u{b0}, and the \
+                     critical angle is {:.1}\u{b0}.",
+                    name(face),
+                    thrown_back.incidence.to_degrees(),
+                    thrown_back.critical.to_degrees()
+                ))
+            }
+        }
     }
 }

@@ -18,8 +18,8 @@ const HALF_HEIGHT: f64 = 90.0;
 const TANK_HALF_WIDTH: f64 = 140.0;
 /// From the tank's outer front face to its back, mm.
 const TANK_DEPTH: f64 = 170.0;
-/// So much of the picture's height is 1 in slopes.
-const FOCAL_PER_HEIGHT: f64 = 1.75;
+/// The focal length, in heights of the picture.
+const FOCAL_PER_HEIGHT: f64 = 1.6;
 
 /// How high the liquid stands.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,8 +26,10 @@ pub(super) fn BenchView() -> impl IntoView {
             <Controls />
             <section class="panel at-the-wall" aria-labelledby="at-the-wall">
                 <h2 id="at-the-wall">"At the wall's faces"</h2>
-                <Loupes />
-                <Faces />
+                <div class="loupes">
+                    <Loupes />
+                    <Faces />
+                </div>
             </section>
             <section class="panel" aria-labelledby="equations">
                 <h2 id="equations">"The equations, with the numbers of this moment"</h2>

@@ -104,8 +104,13 @@ impl Drawing {
             .collect();
         self.path("arc", &places, false);
         if !text.is_empty() {
-            // A narrow angle has no room for its number between its legs.
-            let middle = at(a + 0.5 * sweep, radius + 22.0);
+            // A narrow angle has no room for its number: that stands beyond the first leg.
+            const NARROW: f64 = 0.6;
+            let middle = if sweep.abs() < NARROW {
+                at(a - 0.26_f64.copysign(sweep), radius + 18.0)
+            } else {
+                at(a + 0.5 * sweep, radius + 24.0)
+            };
             self.text("angle-text", [middle[0], middle[1] + 4.0], text);
         }
     }

@@ -74,7 +74,8 @@ fn equation(letter: &str, face: usize, path: &LightPath, indices: [Option<f64>; 
         Some(bend) => sines(bend, indices[face], indices[face + 1]),
     };
     format!(
-        "<math display=\"block\"><mrow>{letters}<mo>:</mo><mspace width=\"0.8em\"/>{numbers}</mrow></math>"
+        "<span class=\"both\"><math><mstyle displaystyle=\"true\">{letters}</mstyle></math> \
+         <math><mstyle displaystyle=\"true\">{numbers}</mstyle></math></span>"
     )
 }
 

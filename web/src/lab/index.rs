@@ -157,7 +157,7 @@ fn TopView(bench: Memo<Bench>) -> impl IntoView {
     }
 }
 
-const TOP_VIEW: At = [720.0, 380.0];
+const TOP_VIEW: At = [540.0, 330.0];
 
 /// The L at the index that is tried, and at those of Fig. 8: x and z of each point.
 #[derive(Clone, PartialEq)]
@@ -188,7 +188,7 @@ impl Tried {
 
 fn draw(bench: &Bench, tried: &Tried) -> String {
     // z upwards, as the paper's figure has it; the rig stands below.
-    let place = |[x, z]: [f64; 2]| [360.0 + 3.0 * x, 350.0 - 2.3 * z];
+    let place = |[x, z]: [f64; 2]| [270.0 + 2.4 * x, 300.0 - 2.0 * z];
     let mut drawing = Drawing::default();
     let (front, back) = (place([0.0, 0.0])[1], place([0.0, bench.thickness])[1]);
     drawing.rect("liquid", [0.0, 0.0], [TOP_VIEW[0], back]);
@@ -245,9 +245,9 @@ fn ChartPicture(
 /// The index that is tried, and the right one unless it is to be found out.
 fn uprights(chart: &mut Chart, bench: &Bench) {
     if !bench.hides_index() {
-        chart.upright("truth", bench.liquid.index(), "");
+        chart.upright("truth", bench.liquid.index(), "true n");
     }
-    chart.upright("trial", bench.trial, "n");
+    chart.upright("trial", bench.trial, "n tried");
 }
 
 #[component]
@@ -449,8 +449,10 @@ fn Tries(tries: RwSignal<Vec<Estimate>>) -> impl IntoView {
     view! {
         <ChartPicture label="The indices that each try gives, by either equation" id="tries-chart" drawn />
         <p class="help" data-testid="tries">
-            {move || tries.with(Vec::len)} " tries. By the angle, eq. (4): "
-            <span class="value">{move || spread(|t| t.by_angle)}</span> ". By the ray distances, eq. (3): "
+            {move || tries.with(Vec::len)} " tries, one above the other. "
+            <span class="key by-angle">"By the angle, eq. (4): "</span>
+            <span class="value">{move || spread(|t| t.by_angle)}</span> ". "
+            <span class="key by-distance">"By the ray distances, eq. (3): "</span>
             <span class="value">{move || spread(|t| Some(t.by_ray_distance))}</span> "." {at_ends}
         </p>
     }

@@ -49,10 +49,8 @@ pub(super) fn Loupes() -> impl IntoView {
         }
     };
     view! {
-        <div class="loupes">
-            {loupe(false, "Laser beam", "loupe-beam")}
-            {loupe(true, "Line of sight", "loupe-sight")}
-        </div>
+        {loupe(false, "Laser beam", "loupe-beam")}
+        {loupe(true, "Line of sight", "loupe-sight")}
     }
 }
 

@@ -163,9 +163,9 @@ pub(super) fn Section() -> impl IntoView {
             <p class="picture-note">
                 {move || {
                     if pitched() {
-                        "Seen from above. The rig is pitched, so the rays run out of the picture's plane."
+                        "From above. The rig is pitched: the rays leave the picture's plane."
                     } else {
-                        "Seen from above. Drag the laser, the camera and the object point."
+                        "From above. Drag laser, camera and point."
                     }
                 }}
             </p>
@@ -253,6 +253,7 @@ fn HandleMark(
         <g
             class="handle"
             class:held=move || held.get()
+            class:aside=move || handle == Handle::Object && lab.bench.with(|bench| bench.aim.is_some())
             tabindex="0"
             role="button"
             aria-roledescription="movable"
@@ -341,9 +342,14 @@ fn names(drawing: &mut Drawing, bench: &Bench, frame: Frame) {
         [width - 12.0, height - 12.0],
         &named(bench.liquid),
     );
-    if width > 520.0 {
-        let x = frame.place(0.0, 0.0)[0];
-        drawing.text("medium end", [x - 8.0, 20.0], &named(bench.glass));
+    let wall = frame.place(0.0, 0.0)[0];
+    // Between the two others, where there is room.
+    if wall > 330.0 {
+        drawing.text(
+            "medium end",
+            [wall - 10.0, height - 12.0],
+            &named(bench.glass),
+        );
     }
 }
 
@@ -431,35 +437,46 @@ fn points(drawing: &mut Drawing, bench: &Bench, light: &Light, frame: Frame) {
     let Ok(measurement) = &light.measurement else {
         return;
     };
-    let beside = |[x, y]: At, down: f64| [x + 12.0, y + down];
+    // Beside a place: to its right or, near the picture's edge, to its left.
+    let label = |drawing: &mut Drawing, class: &str, [x, y]: At, down: f64, text: &str| {
+        if x > frame.size[0] - 170.0 {
+            drawing.text(&format!("{class} end"), [x - 12.0, y + down], text);
+        } else {
+            drawing.text(class, [x + 12.0, y + down], text);
+        }
+    };
     if let Some(apparent) = measurement.apparent {
         let at = frame.point(apparent);
         drawing.circle("apparent", at, 5.5);
-        drawing.text("label", beside(at, -8.0), "apparent point");
+        label(drawing, "label", at, -12.0, "apparent point");
     }
+    let distance = format!("l = {:.2} mm", measurement.meeting.gap().abs());
     if bench.assumed.is_some() {
         let approach = measurement.meeting.approach;
-        let (beam, sight) = (frame.point(approach.first), frame.point(approach.second));
-        drawing.line("gap", beam, sight);
+        drawing.line(
+            "gap",
+            frame.point(approach.first),
+            frame.point(approach.second),
+        );
         let at = frame.point(measurement.meeting.point());
+        let corners = [[0.0, -7.0], [7.0, 0.0], [0.0, 7.0], [-7.0, 0.0]];
         drawing.path(
             "measured",
-            &[
-                [at[0], at[1] - 7.0],
-                [at[0] + 7.0, at[1]],
-                [at[0], at[1] + 7.0],
-                [at[0] - 7.0, at[1]],
-            ],
+            &corners.map(|[x, y]| [at[0] + x, at[1] + y]),
             true,
         );
-        let text = format!("measured, l = {:.2} mm", measurement.meeting.gap().abs());
-        drawing.text("label", beside(at, 20.0), &text);
+        label(drawing, "label", at, 24.0, &format!("measured, {distance}"));
     }
     if let Some(spot) = light.spot {
         let at = frame.point(spot);
         if bench.aim.is_some() {
-            drawing.circle("lit", at, 4.5);
+            drawing.circle("lit", at, 5.5);
         }
-        drawing.text("label strong", beside(at, 5.0), "P");
+        let text = if bench.assumed.is_none() {
+            format!("P, {distance}")
+        } else {
+            "P".to_owned()
+        };
+        drawing.text("label strong", [at[0] + 12.0, at[1] + 5.0], &text);
     }
 }

@@ -442,7 +442,7 @@ impl GraphicsCard {
             );
             two("tank", sight.tank);
             three("middle", sight.middle.to_array());
-            let thing = thing(bench.thing, &sight);
+            let thing = thing(bench, &sight);
             whole("thing", bench.thing as i32);
             three("thing_from", thing.from);
             three("thing_to", thing.to);
@@ -459,13 +459,18 @@ struct Placed {
     radius: f64,
 }
 
-fn thing(thing: Thing, sight: &Sight) -> Placed {
+fn thing(bench: &Bench, sight: &Sight) -> Placed {
     let [x, _, z] = sight.middle.to_array();
     let (rim, floor, reach) = (sight.level.rim, sight.level.floor, sight.reach);
-    match thing {
+    // A bowl is closed, and round at the bottom as well.
+    let [top, bottom] = match bench.wall {
+        WallShape::Sphere => [0.55 * rim, 0.6 * floor],
+        _ => [rim - 30.0, floor - 22.0],
+    };
+    match bench.thing {
         Thing::Rod => Placed {
-            from: [x - 0.8 * reach, rim - 40.0, z],
-            to: [x + 0.6 * reach, floor - 22.0, z],
+            from: [x - 0.8 * reach, top, z],
+            to: [x + 0.6 * reach, bottom, z],
             radius: 6.0,
         },
         Thing::Ball => Placed {

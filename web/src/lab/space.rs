@@ -120,7 +120,7 @@ impl Eye {
             rotation: world_from_eye.inverse(),
             pivot: Vector3::new(0.0, 0.0, 0.0),
             distance: 760.0,
-            focal: 1.75 * size[1].min(size[0] * 0.78),
+            focal: 2.0 * size[1].min(size[0] * 0.85),
             centre: [0.5 * size[0], 0.5 * size[1]],
         }
     }

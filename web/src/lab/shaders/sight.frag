@@ -116,7 +116,7 @@ float hit_thing(vec3 from, vec3 light, out vec3 normal) {
 
 vec3 lit(vec3 colour, vec3 normal) {
     const vec3 LAMP = vec3(-0.45, -0.72, -0.53);
-    return colour * (0.50 + 0.55 * max(dot(normal, LAMP), 0.0));
+    return colour * (0.64 + 0.42 * max(dot(normal, LAMP), 0.0));
 }
 
 vec3 thing_colour(vec3 at, vec3 normal) {
