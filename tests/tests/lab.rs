@@ -265,7 +265,8 @@ fn a_link_opens_elsewhere_with_the_same_numbers() -> Result<()> {
     let mut shown = Vec::new();
     let mut address = "#lab/1?pitch=20&assumed=1.5&liquid=mystery3".to_owned();
     for round in ["first", "second"] {
-        with_lab(&format!("link-{round}"), &address, |page, _| {
+        let opened = address.clone();
+        with_lab(&format!("link-{round}"), &opened, |page, _| {
             if round == "first" {
                 page.drag(&part("handle-object"), (0.5, 0.5), (0.9, 1.4))?;
             }

@@ -10,7 +10,7 @@
 use nalgebra::Vector3;
 
 use super::{Bench, WallShape};
-use crate::camera::{Intrinsics, Pixel, Slope};
+use crate::camera::{Pixel, Slope};
 use crate::geometry::{
     Camera, Direction, Plane, Point, Pose, Ray, WeightedPoint, World, fit_plane,
 };
@@ -216,9 +216,7 @@ fn rig() -> Rig {
     let origin = Point::new(-BASELINE, 0.0, 0.0);
     let beam = Vector3::new(BASELINE, 0.0, CROSSING).normalize();
     Rig {
-        camera: Intrinsics {
-            ..Bench::intrinsics()
-        },
+        camera: Bench::intrinsics(),
         beam: Ray::new(origin, Direction::assume_unit(beam)),
         flange_from_camera: Pose::identity(),
     }

@@ -79,7 +79,7 @@ impl Lesson {
 }
 
 /// The lessons, in order.
-pub const LESSONS: [Lesson; 8] = [
+pub static LESSONS: [Lesson; 8] = [
     Lesson {
         title: "Light bends at a face",
         idea: "Where light goes from one medium into another it bends. The product of the refractive \

@@ -108,7 +108,7 @@ const WALLS: [WallShape; 3] = [WallShape::Plane, WallShape::Cylinder, WallShape:
 const THINGS: [Thing; 3] = [Thing::Rod, Thing::Ball, Thing::Card];
 
 /// Everything that is one of some words, in the order of links.
-pub const CHOICES: [Choice; 3] = [
+pub static CHOICES: [Choice; 3] = [
     Choice {
         key: "view",
         name: "What is shown",
@@ -143,7 +143,7 @@ pub const CHOICES: [Choice; 3] = [
 ];
 
 /// The media, from the rig inwards.
-pub const MEDIA: [MediumRole; 3] = [
+pub static MEDIA: [MediumRole; 3] = [
     MediumRole {
         key: "outside",
         name: "Around the rig",
@@ -189,7 +189,7 @@ macro_rules! number {
 }
 
 /// Everything that is a number, in the order of links.
-pub const QUANTITIES: [Quantity; 24] = [
+pub static QUANTITIES: [Quantity; 24] = [
     Quantity {
         key: "lesson",
         name: "Lesson",

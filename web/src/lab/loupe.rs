@@ -120,7 +120,10 @@ fn draw(path: &LightPath, class: &str, thickness: f64, hides: bool) -> String {
         let at = plane.place(bend.at.coords);
         let normal = plane.way(bend.normal.vector());
         drawing.line("normal", step(at, normal, 76.0), step(at, normal, -76.0));
-        critical(&mut drawing, bend, at, &plane);
+        // A mystery liquid's would give it away.
+        if !hides || bend.at == first.at {
+            critical(&mut drawing, bend, at, &plane);
+        }
     }
     // The light of a line of sight comes back along it.
     let outwards = class == "beam";

@@ -1,7 +1,7 @@
 //! The bench's numbers: every face's angles, and what the measurement makes of the light.
 
 use leptos::prelude::*;
-use snellius::lab::{Bend, Light, LightPath};
+use snellius::lab::{Bench, Bend, Light, LightPath};
 
 use super::lessons::MysteryCheck;
 use super::state::LabState;
@@ -29,6 +29,13 @@ pub(super) fn Faces() -> impl IntoView {
                 format!("{}\u{b0}", fixed(angle.to_degrees(), 2))
             })
         };
+        // The inner face's critical angle would give a mystery liquid away.
+        let critical = move || {
+            if face == 1 && lab.bench.with(Bench::hides_index) {
+                return "?".to_owned();
+            }
+            shown(Bend::critical)
+        };
         let goes_on = move || {
             if bend().is_some_and(|bend| bend.thrown_back.is_some()) {
                 return "thrown back".to_owned();
@@ -45,7 +52,7 @@ pub(super) fn Faces() -> impl IntoView {
                     {goes_on}
                 </td>
                 <td class="number" data-testid=format!("{id}-critical")>
-                    {move || shown(Bend::critical)}
+                    {critical}
                 </td>
             </tr>
         }
