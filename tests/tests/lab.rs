@@ -1,4 +1,5 @@
 //! The refraction lab as pupils and teachers meet it: by link, by hand, and against the core's numbers.
+#![allow(clippy::print_stdout, reason = "what was measured is told with --nocapture")]
 
 use anyhow::{Context, Result, ensure};
 use snellius::camera::Pixel;
