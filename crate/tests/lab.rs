@@ -1,6 +1,9 @@
 //! The refraction lab: its numbers are those of optics, its links come back as they went, and nothing
 //! that a link may say makes it panic.
-#![allow(clippy::print_stdout, reason = "what was measured is told with --nocapture")]
+#![allow(
+    clippy::print_stdout,
+    reason = "what was measured is told with --nocapture"
+)]
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -400,7 +403,7 @@ fn the_eye_sees_a_place_where_its_ray_reaches_it() {
         let sight = Sight::new(&bench, 800.0, 600.0);
         let pixel = Pixel::new(390.0, 330.0);
         let inside = sight.stack.trace(&sight.ray(pixel)).unwrap();
-        assert!(sight.off_by(pixel, inside.at(60.0)).unwrap() < 1e-6);
+        assert!(sight.off_by(pixel, inside.at(60.0)).unwrap() < 1e-9);
         // A place a little beside the ray is told from it.
         let beside = inside.at(60.0) + nalgebra::Vector3::new(0.2, 0.0, 0.0);
         assert!(sight.off_by(pixel, beside).unwrap() > 0.1);

@@ -1,5 +1,8 @@
 //! The refraction lab as pupils and teachers meet it: by link, by hand, and against the core's numbers.
-#![allow(clippy::print_stdout, reason = "what was measured is told with --nocapture")]
+#![allow(
+    clippy::print_stdout,
+    reason = "what was measured is told with --nocapture"
+)]
 
 use anyhow::{Context, Result, ensure};
 use snellius::camera::Pixel;
@@ -238,7 +241,8 @@ fn compare(bench: &Bench, rays: &str) -> Result<(usize, f64)> {
         let ray = numbers(line)?;
         ensure!(ray.len() == 5, "{line}");
         let place = Point::new(ray[2], ray[3], ray[4]);
-        worst = worst.max(sight.off_by(Pixel::new(ray[0], ray[1]), place)?);
+        let off = sight.off_by(Pixel::new(ray[0], ray[1]), place);
+        worst = worst.max(off.context("the core's ray does not get in")?);
         count += 1;
     }
     Ok((count, worst))

@@ -3,11 +3,11 @@
 //! The graphics card traces the light of every pixel by the same laws; its rays are held against those
 //! of the core by [`Sight::off_by`].
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
 
 use super::{Bench, WallShape};
 use crate::camera::{Pixel, Slope};
-use crate::geometry::{Camera, Direction, Point, Pose, Ray, World};
+use crate::geometry::{Camera, Direction, Plane, Point, Pose, Ray, World};
 use crate::optics::{AimError, Stack, aim_through};
 
 /// The eye looks from so far away, mm.
@@ -113,8 +113,27 @@ impl Sight {
         ))
     }
 
-    /// How many pixels off the core sees the place that somebody else's ray of `pixel` has reached.
-    pub fn off_by(&self, pixel: Pixel, reached: Point<World>) -> Result<f64, AimError> {
-        Ok(self.pixel(reached)?.distance(pixel))
+    /// How many pixels somebody else's ray of `pixel` is off, by the place that it has reached in the
+    /// liquid; `None` where the core's ray does not get in.
+    ///
+    /// The core's rays of this pixel and of its neighbours pass the place at points of one plane. How
+    /// these points move with the pixel tells what their distance from the place is in pixels. (To seek
+    /// the pixel that sees the place would not do: through a round vessel there may be several.)
+    pub fn off_by(&self, pixel: Pixel, reached: Point<World>) -> Option<f64> {
+        const STEP: f64 = 1e-3;
+        let inside = |pixel| self.stack.trace(&self.ray(pixel)).ok();
+        let screen = Plane::new(reached, -inside(pixel)?.direction);
+        let (u, v) = screen.normal.tangents();
+        let passes = |right: f64, down: f64| {
+            let ray = inside(Pixel::new(pixel.u + right, pixel.v + down))?;
+            let off = ray.at(screen.distance_along(&ray)?) - reached;
+            Some(Vector2::new(off.dot(&u), off.dot(&v)))
+        };
+        let along = |right: f64, down: f64| {
+            let way = passes(right * STEP, down * STEP)? - passes(-right * STEP, -down * STEP)?;
+            Some(way / (2.0 * STEP))
+        };
+        let per_px = Matrix2::from_columns(&[along(1.0, 0.0)?, along(0.0, 1.0)?]);
+        Some((per_px.try_inverse()? * passes(0.0, 0.0)?).norm())
     }
 }

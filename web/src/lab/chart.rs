@@ -71,14 +71,19 @@ impl Chart {
         self.drawing.path(class, &places, false);
     }
 
-    /// An upright at an index, with a word at its head.
+    /// An upright at an index, with a word at its head: on its left for what is tried, or else on its
+    /// right, so that the two do not meet.
     pub(super) fn upright(&mut self, class: &str, index: f64, word: &str) {
         let (foot, head) = (self.at(index, self.y.0), self.at(index, self.y.1));
         self.drawing.line(class, foot, head);
-        if !word.is_empty() {
-            self.drawing
-                .text("tick", [head[0] + 4.0, head[1] + 9.0], word);
-        }
+        let left = class == "trial" && index > RANGE.0 + 0.15;
+        let (side, aside) = if left {
+            ("tick end", -5.0)
+        } else {
+            ("tick", 5.0)
+        };
+        self.drawing
+            .text(side, [head[0] + aside, head[1] + 9.0], word);
     }
 
     pub(super) fn level(&mut self, class: &str, value: f64) {

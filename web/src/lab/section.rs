@@ -34,7 +34,9 @@ impl Frame {
             WallShape::Plane => 0.0,
             _ => bench.radius + 12.0,
         };
-        let front = rig.iter().fold(-195.0_f64, |low, p| low.min(p.z - 25.0));
+        // A laser on a small picture is as large as on a large one.
+        let margin = if size[0] < 520.0 { 62.0 } else { 30.0 };
+        let front = rig.iter().fold(-200.0_f64, |low, p| low.min(p.z - margin));
         let half = rig.iter().fold(120.0_f64.max(half_vessel), |most, p| {
             most.max(p.x.abs() + 24.0)
         });
@@ -275,6 +277,14 @@ fn HandleMark(
     }
 }
 
+/// How a line of sight is drawn, and where it ends: faint, if there is no spot to be seen along it.
+pub(super) fn sight_class(light: &Light) -> (&'static str, Option<Point<World>>) {
+    match light.spot {
+        Some(spot) if light.measurement.is_ok() => ("sight", Some(spot)),
+        _ => ("sight idle", None),
+    }
+}
+
 /// All that cannot be dragged.
 fn draw(bench: &Bench, light: &Light, frame: Frame) -> String {
     let mut drawing = Drawing::default();
@@ -283,15 +293,8 @@ fn draw(bench: &Bench, light: &Light, frame: Frame) -> String {
     virtual_rays(&mut drawing, light, frame);
     let spot = light.spot;
     rays(&mut drawing, "beam", &light.beam, spot, frame, true);
-    let seen = light.measurement.is_ok();
-    rays(
-        &mut drawing,
-        "sight",
-        &light.sight,
-        spot.filter(|_| seen),
-        frame,
-        false,
-    );
+    let (class, seen) = sight_class(light);
+    rays(&mut drawing, class, &light.sight, seen, frame, false);
     for path in [&light.beam, &light.sight] {
         if frame.size[0] > 520.0 {
             angles(&mut drawing, path, frame);
@@ -437,10 +440,12 @@ fn points(drawing: &mut Drawing, bench: &Bench, light: &Light, frame: Frame) {
     let Ok(measurement) = &light.measurement else {
         return;
     };
-    // Beside a place: to its right or, near the picture's edge, to its left.
+    // To the right of a place or, where that is too narrow, at the picture's edge and lower.
     let label = |drawing: &mut Drawing, class: &str, [x, y]: At, down: f64, text: &str| {
-        if x > frame.size[0] - 170.0 {
-            drawing.text(&format!("{class} end"), [x - 12.0, y + down], text);
+        let width = 7.0 * text.chars().count() as f64;
+        if x + 12.0 + width > frame.size[0] {
+            let at = [frame.size[0] - 8.0, y + down + 20.0_f64.copysign(down)];
+            drawing.text(&format!("{class} end"), at, text);
         } else {
             drawing.text(class, [x + 12.0, y + down], text);
         }
@@ -465,18 +470,18 @@ fn points(drawing: &mut Drawing, bench: &Bench, light: &Light, frame: Frame) {
             &corners.map(|[x, y]| [at[0] + x, at[1] + y]),
             true,
         );
-        label(drawing, "label", at, 24.0, &format!("measured, {distance}"));
+        label(drawing, "label", at, 5.0, &format!("measured, {distance}"));
     }
     if let Some(spot) = light.spot {
         let at = frame.point(spot);
         if bench.aim.is_some() {
             drawing.circle("lit", at, 5.5);
         }
-        let text = if bench.assumed.is_none() {
-            format!("P, {distance}")
+        if bench.assumed.is_none() {
+            label(drawing, "label strong", at, 5.0, &format!("P, {distance}"));
         } else {
-            "P".to_owned()
-        };
-        drawing.text("label strong", [at[0] + 12.0, at[1] + 5.0], &text);
+            // What is measured may lie close by, along the light.
+            drawing.text("label strong middle", [at[0], at[1] + 26.0], "P");
+        }
     }
 }

@@ -119,6 +119,7 @@ fn Parameters() -> impl IntoView {
     });
     let quantities = QUANTITIES.iter().map(|quantity| {
         let range = format!("{} to {} {}", quantity.low, quantity.high, quantity.unit);
+        let range = range.replace('-', "\u{2212}");
         (quantity.key, quantity.name, range)
     });
     let rows = choices

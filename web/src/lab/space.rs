@@ -9,6 +9,7 @@ use web_sys::{KeyboardEvent, PointerEvent};
 
 use super::bench::watch_size;
 use super::drawing::{At, Drawing};
+use super::section::sight_class;
 use super::state::LabState;
 
 /// The view in space.
@@ -148,9 +149,9 @@ fn draw(bench: &Bench, light: &Light, size: At) -> String {
     floor(&mut drawing, &eye);
     vessel(&mut drawing, bench, &eye);
     rig(&mut drawing, bench, &eye);
-    let seen = light.spot.filter(|_| light.measurement.is_ok());
+    let (class, seen) = sight_class(light);
     rays(&mut drawing, "beam", &light.beam, light.spot, &eye, true);
-    rays(&mut drawing, "sight", &light.sight, seen, &eye, false);
+    rays(&mut drawing, class, &light.sight, seen, &eye, false);
     points(&mut drawing, bench, light, &eye);
     drawing.text_of()
 }
@@ -262,7 +263,7 @@ fn rig(drawing: &mut Drawing, bench: &Bench, eye: &Eye) {
     drawing.path("frustum", &frame, true);
     drawing.circle("camera-dot", eye.point(camera), 5.0);
     drawing.circle("laser-dot", eye.point(laser), 5.0);
-    let beside = |[x, y]: At| [x + 9.0, y - 7.0];
+    let beside = |[x, y]: At| [x + 9.0, y + 18.0];
     drawing.text("label", beside(eye.point(laser)), "laser");
     drawing.text("label", beside(eye.point(camera)), "camera");
 }
