@@ -19,13 +19,16 @@ fn with_lab(
     let site = Site::under("/", &places::dist()?)?;
     with_page(name, |page| {
         let open = |address: &str| {
-            // Another address of the same page would not load it anew.
-            page.open("about:blank")?;
             page.open(&format!("{}{address}", site.url()))?;
             page.wait_visible(&part("lab"))
         };
+        let open_anew = |address: &str| {
+            // Another hash alone would not load the page again.
+            page.open("about:blank")?;
+            open(address)
+        };
         open(address)?;
-        test(page, &open)
+        test(page, &open_anew)
     })
 }
 

@@ -71,7 +71,8 @@ impl LabState {
     fn keep_address(self) {
         const REST: Duration = Duration::from_millis(200);
         let mut write = debounce(REST, move |bench: Bench| {
-            if self.open.get_untracked() {
+            // By now the address may have left the lab.
+            if link::is_lab(&fragment()) {
                 replace_fragment(&link::write(&bench));
             }
         });
