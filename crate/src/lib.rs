@@ -17,6 +17,7 @@ pub mod camera;
 pub mod cli;
 pub mod export;
 pub mod geometry;
+pub mod index;
 pub mod lab;
 pub mod object;
 pub mod optics;
@@ -27,6 +28,7 @@ pub mod scan;
 #[cfg(feature = "simulate")]
 pub mod simulate;
 pub mod spots;
+pub mod table;
 mod text;
 pub mod vessel;
 

@@ -23,11 +23,14 @@ const TUKEY: f64 = 4.685;
 /// 1, so that points are not cast out for being better than their sigma says.
 pub(crate) fn biweights(normalised: &[f64]) -> impl Iterator<Item = f64> + '_ {
     let scale = robust_scale(normalised).max(1.0);
-    normalised.iter().map(move |z| {
-        let u = z / (TUKEY * scale);
-        let keep = (1.0 - u * u).max(0.0);
-        keep * keep
-    })
+    normalised.iter().map(move |z| biweight(z / scale))
+}
+
+/// Tukey's biweight of one residual, in standard deviations.
+pub(crate) fn biweight(z: f64) -> f64 {
+    let u = z / TUKEY;
+    let keep = (1.0 - u * u).max(0.0);
+    keep * keep
 }
 
 /// Tukey's loss, scaled so that it is z^2 near zero; it levels off at 4.685^2 / 3.

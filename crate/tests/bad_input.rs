@@ -323,6 +323,19 @@ fn an_impossible_value_is_named() {
         ("views[3].id", json!("0001")),
         ("views[1].inside", json!("vacuum")),
     ]);
+    for (place, key, value) in [
+        // A line laser needs its sheet's normal.
+        ("laser.normal: missing", "origin", json!([-160, 3, 4])),
+        ("laser.normal", "normal", json!([0, 0, 0])),
+        // A sheet through the camera's centre makes no triangle, wherever its rays start.
+        ("laser.origin", "normal", json!([3, 160, 0])),
+    ] {
+        let message = refusal_of(|scan| {
+            scan["laser"]["kind"] = json!("line");
+            scan["laser"][key] = value;
+        });
+        assert!(message.starts_with(place), "{place}: {message}");
+    }
     let half_a_wall = refusal_of(|scan| put(scan, "vessel.point", json!([0, 0, 0])));
     assert_says(&half_a_wall, &["vessel.normal: missing"]);
     let negative = refusal_of(|scan| put(scan, "calibration_sigma", json!({"laser_origin": -1})));

@@ -8,6 +8,7 @@ mod common;
 
 use std::ffi::OsStr;
 use std::fs;
+use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
 use common::archives::{Entries, Folder, measure, repository, scene, simulate};
@@ -80,7 +81,7 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
     let lines: Vec<&str> = table.split_terminator("\r\n").collect();
     assert_eq!(lines.len(), 11);
     assert!(lines.iter().all(|line| line.split(',').count() == 15));
-    let place = result.views[3].object.unwrap();
+    let place = result.views[3].object.first().unwrap();
     assert!(lines[4].starts_with("0003,ok,"), "{}", lines[4]);
     assert!(lines[4].contains(&format!(",{},{},{},", place[0], place[1], place[2])));
 }
@@ -434,4 +435,40 @@ fn output_that_cannot_be_written_ends_with_1() {
         .output()
         .unwrap();
     assert!(assert_ends_with(&output, 1).contains("standard output"));
+}
+
+#[test]
+fn a_table_is_made_and_measured_with() {
+    let (folder, scan) = (Folder::new(), small_scan());
+    let scan_file = folder.write("scan.zip", &scan);
+    let table = folder.path("table.json");
+    let make: [PathBuf; 4] = ["table", "--view", "0002", "--output"].map(Into::into);
+    let done = snellius(&[&make[..], &[table.clone(), scan_file.clone()]].concat());
+    let summary = assert_ends_with(&done, 0);
+    assert!(summary.contains("standard deviations"), "{summary}");
+
+    let output = folder.path("by table");
+    let by_table: [PathBuf; 4] = [
+        "reconstruct".into(),
+        "--table".into(),
+        table.clone(),
+        "-o".into(),
+    ];
+    let done = snellius(&[&by_table[..], &[output.clone(), scan_file.clone()]].concat());
+    let summary = assert_ends_with(&done, 0);
+    assert!(summary.contains("stood elsewhere"), "{summary}");
+    let json = fs::read_to_string(output.join("result.json")).unwrap();
+    let result: Value = serde_json::from_str(&json).unwrap();
+    let traced = measure(&scan).unwrap().views[2].object.first().unwrap();
+    for (axis, traced) in traced.iter().enumerate() {
+        let found = result["views"][2]["object"][axis].as_f64().unwrap();
+        assert!((found - traced).abs() < 0.02, "{found} {traced}");
+    }
+
+    let elsewhere: [PathBuf; 4] = ["table", "--view", "none such", "-o"].map(Into::into);
+    let done = snellius(&[&elsewhere[..], &[table.clone(), scan_file.clone()]].concat());
+    assert!(assert_ends_with(&done, 1).contains("no view has the id"));
+    fs::write(&table, "{}").unwrap();
+    let done = snellius(&[&by_table[..], &[output, scan_file]].concat());
+    assert!(assert_ends_with(&done, 1).contains("table.json: no table"));
 }

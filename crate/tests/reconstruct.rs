@@ -46,11 +46,11 @@ fn score(result: &ReconstructionResult, truth: &Truth) -> Score {
     };
     for (view, truth) in result.views.iter().zip(&truth.views) {
         assert_eq!(view.id, truth.id);
-        score.wanted += usize::from(truth.object.is_some());
-        let (Some(found), Some(sigma)) = (view.object, view.object_sigma) else {
+        score.wanted += usize::from(truth.object.first().is_some());
+        let (Some(found), Some(sigma)) = (view.object.first(), view.object_sigma.first()) else {
             continue;
         };
-        let Some(true_place) = truth.object else {
+        let Some(true_place) = truth.object.first() else {
             score.false_points += 1;
             continue;
         };
@@ -93,7 +93,7 @@ fn assert_recovered(simulated: &Simulated, rms: f64) -> ReconstructionResult {
 fn a_box_in_a_tank_is_recovered() {
     let result = assert_recovered(&TANK, 0.2);
     for (view, truth) in result.views.iter().zip(&TANK.truth.views) {
-        let (found, place) = (view.vessel.unwrap(), truth.vessel.unwrap());
+        let (found, place) = (view.vessel.first().unwrap(), truth.vessel.first().unwrap());
         let off = (Vector3::from(found) - Vector3::from(place)).norm();
         assert!(off < 0.5, "{}: the vessel's point is {off} mm off", view.id);
     }
@@ -210,7 +210,7 @@ fn where_the_beam_misses_the_object_there_is_no_point() {
     for (view, truth) in result.views.iter().zip(&simulated.truth.views) {
         assert_eq!(
             view.status == Status::Ok,
-            truth.object.is_some(),
+            truth.object.first().is_some(),
             "{}: {:?}",
             view.id,
             view.reason
@@ -231,8 +231,8 @@ fn ignoring_refraction_moves_the_object_by_tens_of_millimetres() {
     let reconstruction = reconstruct(archive.scan(), &spots, &settings).unwrap();
     for (truth, unrefracted) in TANK.truth.views.iter().zip(&reconstruction.unrefracted) {
         let (truth, nearer) = (
-            Vector3::from(truth.object.unwrap()),
-            unrefracted.unwrap().coords,
+            Vector3::from(truth.object.first().unwrap()),
+            unrefracted[0].unwrap().coords,
         );
         let expected = truth.z * (1.0 - 1.0 / 1.33);
         let moved = truth.z - nearer.z;
@@ -259,7 +259,9 @@ fn another_index_gives_another_object() {
         .views
         .iter()
         .zip(&TANK.truth.views)
-        .all(|(view, truth)| view.object.unwrap()[2] > truth.object.unwrap()[2] + 0.5);
+        .all(|(view, truth)| {
+            view.object.first().unwrap()[2] > truth.object.first().unwrap()[2] + 0.5
+        });
     assert!(deeper, "a higher index puts the object deeper");
 }
 

@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use snellius::camera::{Distortion, Intrinsics, Slope};
 use snellius::geometry::{Camera, Flange, Point, Pose, Ray, World, closest_approach};
 use snellius::optics::Media;
-use snellius::rig::Rig;
+use snellius::rig::{Laser, Rig};
 use snellius::scan::{Manifest, Scan};
 use snellius::spots::{SpotSettings, Spots, find_spots};
 use snellius::vessel::{VesselSettings, find_vessel};
@@ -21,7 +21,7 @@ use snellius::vessel::{VesselSettings, find_vessel};
 fn rig(beam: Ray<Camera>) -> Rig {
     Rig {
         camera: lens(),
-        beam,
+        laser: Laser::Beam(beam),
         flange_from_camera: Pose::identity(),
     }
 }
@@ -34,7 +34,9 @@ fn a_parallel_beam_is_triangulated_by_similar_triangles() {
         ..lens()
     };
     let baseline = -160.0;
-    let line = rig(ray([baseline, 0.0, 0.0], [0.0, 0.0, 1.0])).epipolar_line();
+    let line = rig(ray([baseline, 0.0, 0.0], [0.0, 0.0, 1.0]))
+        .epipolar_line()
+        .unwrap();
     for u in [0.0, 50.0, 123.4, 380.0] {
         let sight = ideal
             .slope(snellius::camera::Pixel::new(u, ideal.centre.v))
@@ -44,7 +46,7 @@ fn a_parallel_beam_is_triangulated_by_similar_triangles() {
         assert_close(found.point.coords.z, depth, 1e-10 * depth);
         assert_close(found.point.coords.x, baseline, 1e-12);
         assert_close(found.along, depth, 1e-10 * depth);
-        assert_close(found.off_line, 0.0, 1e-15);
+        assert_close(found.off_line.unwrap(), 0.0, 1e-15);
     }
 }
 
@@ -53,7 +55,9 @@ fn a_parallel_beam_is_triangulated_by_similar_triangles() {
 #[test]
 fn a_tilted_beam_is_triangulated_by_the_law_of_its_triangle() {
     let (b, theta) = (160.0_f64, 19.6_f64.to_radians());
-    let line = rig(ray([-b, 0.0, 0.0], [theta.sin(), 0.0, theta.cos()])).epipolar_line();
+    let line = rig(ray([-b, 0.0, 0.0], [theta.sin(), 0.0, theta.cos()]))
+        .epipolar_line()
+        .unwrap();
     for x in [-0.3, -0.1, 0.0, 0.2] {
         let found = line.triangulate(Slope { x, y: 0.0 }).unwrap();
         let depth = b / (theta.tan() - x);
@@ -95,7 +99,7 @@ fn a_point_of_any_beam_is_found_again() {
             continue; // beam and sight all but parallel
         }
         seen += 1;
-        let found = rig.epipolar_line().triangulate(sight).unwrap();
+        let found = rig.epipolar_line().unwrap().triangulate(sight).unwrap();
         assert!(
             found.point.distance(beam.at(along)) < 1e-8,
             "{found:?} {along}"
@@ -109,7 +113,7 @@ fn a_point_of_any_beam_is_found_again() {
 #[test]
 fn a_sight_beside_the_line_gives_the_point_of_its_foot() {
     let beam = ray([-160.0, 3.0, 4.0], [0.336, -0.006, 0.942]);
-    let line = rig(beam).epipolar_line();
+    let line = rig(beam).epipolar_line().unwrap();
     let on = Slope::of(beam.at(400.0)).unwrap();
     let ahead = Slope::of(beam.at(401.0)).unwrap();
     let along = nalgebra::Vector2::new(ahead.x - on.x, ahead.y - on.y).normalize();
@@ -119,7 +123,7 @@ fn a_sight_beside_the_line_gives_the_point_of_its_foot() {
             y: on.y + off * along.x,
         };
         let found = line.triangulate(beside).unwrap();
-        assert_close(found.off_line.abs(), off.abs(), 1e-15);
+        assert_close(found.off_line.unwrap().abs(), off.abs(), 1e-15);
         assert_close(found.along, 400.0, 1e-8);
         let sight = Ray::new(Point::origin(), beside.direction());
         let nearest = closest_approach(&beam, &sight).unwrap();
@@ -139,7 +143,7 @@ fn the_vessels_spot_is_the_first_from_the_lasers_side() {
     ] {
         let inwards = Vector3::from(origin) * -0.336 / 160.0 + Vector3::new(0.0, 0.0, 0.942);
         let scan = nine_stations(origin, inwards.into());
-        let beam = scan.rig.beam;
+        let beam = scan.rig.laser.axis();
         let seen_at = |z: f64| {
             let along = (z - beam.origin.coords.z) / beam.direction.vector().z;
             scan.rig.camera.project(beam.at(along)).unwrap()
@@ -172,15 +176,15 @@ fn the_vessels_spot_is_the_first_from_the_lasers_side() {
             liquid: 1.33,
         };
         let vessel = find_vessel(&scan, &spots, &media, &settings).unwrap();
-        for (point, station) in vessel.points.iter().zip(&scan.stations) {
-            let point = point.expect("a vessel point in every view");
+        for (points, station) in vessel.points.iter().zip(&scan.stations) {
+            let point = points.first().expect("a vessel point in every view");
             assert!(
                 point.pixel.distance(seen_at(400.0)) < 0.01,
                 "laser at {origin:?}"
             );
             let in_camera = station.world_from_camera.inverse().point(point.point);
             assert_close(in_camera.coords.z, 400.0, 0.05);
-            assert_close(point.off_line, 0.0, 0.01);
+            assert_close(point.off_line.unwrap(), 0.0, 0.01);
         }
     }
 }

@@ -43,15 +43,15 @@ fn recovered(sample: &str) -> Recovered {
     let (mut wanted, mut found) = (0, 0);
     let (mut errors, mut variances) = (0.0, 0.0);
     for (view, truth) in result.views.iter().zip(&truth.views) {
-        let Some(there) = truth.object else {
+        let Some(there) = truth.object.first() else {
             assert!(
-                view.object.is_none(),
+                view.object.first().is_none(),
                 "{sample}: a point where there is none"
             );
             continue;
         };
         wanted += 1;
-        let (Some(here), Some(sigma)) = (view.object, view.object_sigma) else {
+        let (Some(here), Some(sigma)) = (view.object.first(), view.object_sigma.first()) else {
             continue;
         };
         found += 1;

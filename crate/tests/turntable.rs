@@ -66,7 +66,7 @@ fn assert_recovered(scene: Scene) {
     let mut squares = Vec::new();
     for (view, truth) in result.views.iter().zip(&truth.views) {
         assert_eq!(view.status, Status::Ok, "{}: {:?}", view.id, view.reason);
-        let (found, place) = (view.object.unwrap(), truth.object.unwrap());
+        let (found, place) = (view.object.first().unwrap(), truth.object.first().unwrap());
         squares.push((Vector3::from(found) - Vector3::from(place)).norm_squared());
     }
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
@@ -89,7 +89,7 @@ fn inverted_poses_make_the_same_scan() {
         .zipped();
     let (one, other) = (measure(&by_rig).unwrap(), measure(&turned).unwrap());
     for (a, b) in one.views.iter().zip(&other.views) {
-        let (a, b) = (a.object.unwrap(), b.object.unwrap());
+        let (a, b) = (a.object.first().unwrap(), b.object.first().unwrap());
         assert!((Vector3::from(a) - Vector3::from(b)).norm() < 1e-6);
     }
 }

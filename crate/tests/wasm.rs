@@ -17,6 +17,7 @@ use wasm_bindgen_test::wasm_bindgen_test as test;
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);
 
 const SAMPLE: &[u8] = include_bytes!("../../samples/tank-paper.zip");
+const LINE_SAMPLE: &[u8] = include_bytes!("../../samples/line.zip");
 
 /// A ray at 30 degrees through 2.1 mm of glass (1.5) into water (1.33). optiland 0.6.3, prysm
 /// 0.21.1 and rayoptics 0.9.8 agree on both numbers.
@@ -76,23 +77,28 @@ fn the_sample_is_read_and_measured() {
 }
 
 /// The bytes of the sample's result.json, as FNV-1a makes one number of them.
-const RESULT: u64 = 0x3076_751b_0cde_5e94;
+const RESULT: u64 = 0xe9ab_e4a2_323c_c692;
 
-/// Changes of the core that change its results change this number: put the new one here, from either side.
-/// That it is one number for both is what counts.
+/// The same of the line laser's sample.
+const LINE_RESULT: u64 = 0x0673_fd1a_cb70_0088;
+
+/// Changes of the core that change its results change these numbers: put the new ones here, from either side.
+/// That they are the same for both is what counts.
 #[test]
-fn the_samples_result_has_the_same_bytes_everywhere() {
-    let settings = Settings::default();
-    let mut archive = Archive::open(Cursor::new(SAMPLE)).unwrap();
-    let views = archive.scan().stations.len();
-    let spots: Vec<_> = (0..views)
-        .map(|view| observe(&mut archive, view, &settings).unwrap())
-        .collect();
-    let result = reconstruct(archive.scan(), &spots, &settings)
-        .unwrap()
-        .result();
-    let found = fnv(result.to_json().bytes());
+fn the_samples_results_have_the_same_bytes_everywhere() {
+    let result = |sample: &'static [u8]| {
+        let settings = Settings::default();
+        let mut archive = Archive::open(Cursor::new(sample)).unwrap();
+        let views = archive.scan().stations.len();
+        let spots: Vec<_> = (0..views)
+            .map(|view| observe(&mut archive, view, &settings).unwrap())
+            .collect();
+        let reconstruction = reconstruct(archive.scan(), &spots, &settings).unwrap();
+        fnv(reconstruction.result().to_json().bytes())
+    };
+    let (found, line) = (result(SAMPLE), result(LINE_SAMPLE));
     assert_eq!(found, RESULT, "result.json is now {found:#018x}");
+    assert_eq!(line, LINE_RESULT, "the line's is now {line:#018x}");
 }
 
 /// Decoders have fast paths of their own on each machine; lossy pictures must not show it.

@@ -174,19 +174,19 @@ fn the_scene_shows_coloured_points_and_follows_the_mouse() -> Result<()> {
 /// With refraction left out the points move by up to tens of millimetres (the paper's Figs. 10
 /// and 11); back on, they are where they were.
 #[test]
-fn the_refraction_switch_moves_the_points_and_back() -> Result<()> {
+fn leaving_refraction_out_moves_the_points_and_back() -> Result<()> {
     let archive = smallest_sample()?;
     with_workbench("refraction", |workbench| {
         workbench.reconstruct(&archive)?;
         let with = scene(workbench)?;
-        workbench.click("refraction-switch")?;
+        workbench.click("refraction-without")?;
         let without = scene(workbench)?;
         workbench.page.screenshot("without-refraction")?;
         assert!(
             without.changed_from(&with) > 0.0005,
-            "the switch moves nothing"
+            "leaving it out moves nothing"
         );
-        workbench.click("refraction-switch")?;
+        workbench.click("refraction-with")?;
         let again = scene(workbench)?;
         assert!(
             again.changed_from(&with) < 0.0005,
@@ -270,12 +270,12 @@ fn the_whole_job_can_be_done_from_the_keyboard() -> Result<()> {
         workbench.wait_state("done", RECONSTRUCTION)?;
 
         let with = scene(workbench)?;
-        page.tab_to(&part("refraction-switch"))?;
-        page.press("Space")?;
+        page.tab_to(&part("refraction-slider"))?;
+        page.press("Home")?;
         let without = scene(workbench)?;
         assert!(
             without.changed_from(&with) > 0.0005,
-            "Space switches nothing"
+            "the slider moves nothing"
         );
 
         page.tab_to(&part("colour-by"))?;

@@ -9,6 +9,7 @@ use crate::lab::Lab;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
+use crate::shortcuts::{self, HelpSheet};
 use crate::start::StartScreen;
 use crate::state::{Screen, Workbench};
 
@@ -42,9 +43,11 @@ fn App() -> impl IntoView {
         }
     });
     accept_drops(workbench);
+    shortcuts::listen(workbench);
     let screen = Memo::new(move |_| workbench.screen());
     view! {
         <Header />
+        <HelpSheet />
         <FileInput />
         <main id="main">
             <ProblemNote />
@@ -74,11 +77,53 @@ fn Header() -> impl IntoView {
             </span>
             <Show when=move || screen.get() == Screen::Result>
                 <h1 class="scan-name">{name}</h1>
+                <History />
                 <button type="button" on:click=move |_| workbench.go_to_start()>
                     "Open another scan"
                 </button>
             </Show>
         </header>
+    }
+}
+
+/// Undo and redo, and the keys.
+#[component]
+fn History() -> impl IntoView {
+    let workbench = Workbench::get();
+    let can_undo = move || workbench.history.with(|history| history.can_undo());
+    let can_redo = move || workbench.history.with(|history| history.can_redo());
+    view! {
+        <div class="history">
+            <button
+                type="button"
+                class="quiet"
+                title="Take the last change back (Ctrl Z)"
+                data-testid="undo"
+                disabled=move || !can_undo()
+                on:click=move |_| workbench.undo()
+            >
+                "Undo"
+            </button>
+            <button
+                type="button"
+                class="quiet"
+                title="Make it again (Ctrl Shift Z)"
+                data-testid="redo"
+                disabled=move || !can_redo()
+                on:click=move |_| workbench.redo()
+            >
+                "Redo"
+            </button>
+            <button
+                type="button"
+                class="quiet"
+                title="Keys and gestures (?)"
+                aria-label="Keys and gestures"
+                on:click=move |_| workbench.help.set(true)
+            >
+                "?"
+            </button>
+        </div>
     }
 }
 

@@ -1,74 +1,159 @@
-//! Colours that carry a value: a viridis map for quantities, colour-blind-safe hues for sweeps.
+//! Colours that carry a value: colour-blind-safe maps for quantities and hues for sweeps.
 
-use crate::run::{Facts, Outcome};
+use crate::run::{Facts, ObjectPoint, Outcome, VesselPoint};
 use crate::state::ColourBy;
 
 /// What the colours of a result mean.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Scale {
-    /// A quantity from `low` to `high`, with the colours at both ends of the map.
-    Quantity {
-        name: &'static str,
-        unit: &'static str,
-        low: f64,
-        high: f64,
-    },
+    /// A quantity, with the colours at both ends of the map.
+    Quantity(Quantity),
     /// So many sweeps.
     Sweeps(usize),
+}
+
+/// A quantity from `low` to `high`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Quantity {
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    pub(crate) low: f32,
+    pub(crate) high: f32,
+    pub(crate) map: Map,
+}
+
+/// From a number to a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Map {
+    /// From little to much.
+    Viridis,
+    /// Either way from nothing.
+    BothWays,
 }
 
 impl Scale {
     /// The scale that fits a result.
     pub(crate) fn of(facts: &Facts, outcome: &Outcome, by: ColourBy) -> Self {
-        let (name, unit) = match by {
+        let name = match by {
             ColourBy::Sweep => return Self::Sweeps(facts.sweeps),
-            ColourBy::RayDistance => ("Ray distance", "mm"),
-            ColourBy::Depth => ("Depth behind the wall", "mm"),
+            ColourBy::RayDistance => "Ray distance",
+            ColourBy::Sigma => "Standard deviation",
+            ColourBy::Depth => "Depth behind the wall",
+            ColourBy::Residual => "Wall residual, + towards the rig",
         };
-        let values = outcome.views.iter().filter_map(|view| match by {
-            ColourBy::Depth => view.depth,
-            _ => view.result.ray_distance,
-        });
-        let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
+        let values = values(outcome, by);
+        let (low, high) = values.fold((f32::MAX, f32::MIN), |(low, high), value| {
             (low.min(value), high.max(value))
         });
         let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
-        Self::Quantity {
+        let (low, high, map) = if by == ColourBy::Residual {
+            let most = usual_most(outcome).min(high.max(-low));
+            (-most, most, Map::BothWays)
+        } else {
+            (low, high, Map::Viridis)
+        };
+        Self::Quantity(Quantity {
             name,
-            unit,
+            unit: "mm",
             low,
             high,
+            map,
+        })
+    }
+
+    /// The colour of a point of the object; `None` where the colours are about other points.
+    pub(crate) fn of_object(
+        &self,
+        facts: &Facts,
+        by: ColourBy,
+        point: &ObjectPoint,
+    ) -> Option<[u8; 3]> {
+        match self {
+            Self::Quantity(quantity) => Some(quantity.colour(value(by, point)?)),
+            Self::Sweeps(_) => Some(hue(facts.stations[point.view].sweep)),
         }
     }
 
-    /// The colour of a view, if it has the value.
-    pub(crate) fn colour(
-        &self,
-        facts: &Facts,
-        outcome: &Outcome,
-        by: ColourBy,
-        view: usize,
-    ) -> Option<[u8; 3]> {
-        let measured = &outcome.views[view];
-        match (self, by) {
-            (Self::Quantity { low, high, .. }, ColourBy::Depth) => {
-                Some(viridis(fraction(measured.depth?, *low, *high)))
+    /// The colour of a point of the wall; `None` where the colours are about other points.
+    pub(crate) fn of_vessel(&self, by: ColourBy, point: &VesselPoint) -> Option<[u8; 3]> {
+        match self {
+            Self::Quantity(quantity) if by == ColourBy::Residual => {
+                Some(quantity.colour(point.residual))
             }
-            (Self::Quantity { low, high, .. }, _) => Some(viridis(fraction(
-                measured.result.ray_distance?,
-                *low,
-                *high,
-            ))),
-            (Self::Sweeps(_), _) => Some(hue(facts.stations[view].sweep)),
+            _ => None,
         }
     }
 }
 
-fn fraction(value: f64, low: f64, high: f64) -> f64 {
-    if high > low {
-        (value - low) / (high - low)
-    } else {
-        0.5
+/// One wild point shall not take the colours from all others: the scale of the residuals ends a little
+/// beyond nine tenths of them.
+fn usual_most(outcome: &Outcome) -> f32 {
+    let mut sizes: Vec<f32> = values(outcome, ColourBy::Residual).map(f32::abs).collect();
+    sizes.sort_by(f32::total_cmp);
+    let ninth = sizes.get(sizes.len() * 9 / 10);
+    1.5 * ninth.copied().unwrap_or_default()
+}
+
+/// What a point of the object has of a quantity.
+pub(crate) fn value(by: ColourBy, point: &ObjectPoint) -> Option<f32> {
+    match by {
+        ColourBy::RayDistance => Some(point.ray_distance),
+        ColourBy::Sigma => Some(point.sigma()),
+        ColourBy::Depth => Some(point.depth),
+        ColourBy::Sweep | ColourBy::Residual => None,
+    }
+}
+
+/// All values of a quantity.
+pub(crate) fn values(outcome: &Outcome, by: ColourBy) -> impl Iterator<Item = f32> + '_ {
+    let of_object = outcome.object.iter().filter_map(move |p| value(by, p));
+    let of_vessel = outcome.vessel.iter().map(|point| point.residual);
+    of_object.chain(of_vessel.filter(move |_| by == ColourBy::Residual))
+}
+
+impl Quantity {
+    /// The colour of a value.
+    pub(crate) fn colour(&self, value: f32) -> [u8; 3] {
+        self.map.at(self.fraction(value))
+    }
+
+    /// Where a value lies from `low` (0) to `high` (1).
+    pub(crate) fn fraction(&self, value: f32) -> f32 {
+        if self.high > self.low {
+            (value - self.low) / (self.high - self.low)
+        } else {
+            0.5
+        }
+    }
+}
+
+impl Map {
+    const fn anchors(self) -> &'static [[u8; 3]] {
+        match self {
+            Self::Viridis => &VIRIDIS,
+            Self::BothWays => &PURPLE_ORANGE,
+        }
+    }
+
+    /// The colour at a fraction of the map.
+    pub(crate) fn at(self, fraction: f32) -> [u8; 3] {
+        let anchors = self.anchors();
+        let place = fraction.clamp(0.0, 1.0) * (anchors.len() - 1) as f32;
+        let below = (place as usize).min(anchors.len() - 2);
+        let rest = place - below as f32;
+        std::array::from_fn(|i| {
+            let (from, to) = (
+                f32::from(anchors[below][i]),
+                f32::from(anchors[below + 1][i]),
+            );
+            (from + rest * (to - from)).round() as u8
+        })
+    }
+
+    /// The map as a CSS gradient, from low to high.
+    pub(crate) fn gradient(self) -> String {
+        let anchors: Vec<_> = self.anchors().iter().copied().map(css).collect();
+        format!("linear-gradient(to right, {})", anchors.join(", "))
     }
 }
 
@@ -85,23 +170,18 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// The colour at a fraction of the map.
-fn viridis(fraction: f64) -> [u8; 3] {
-    let steps = (VIRIDIS.len() - 1) as f64;
-    let place = fraction.clamp(0.0, 1.0) * steps;
-    let below = (place as usize).min(VIRIDIS.len() - 2);
-    let rest = place - below as f64;
-    std::array::from_fn(|i| {
-        let (from, to) = (VIRIDIS[below][i], VIRIDIS[below + 1][i]);
-        (f64::from(from) + rest * (f64::from(to) - f64::from(from))).round() as u8
-    })
-}
-
-/// The map as a CSS gradient, from low to high.
-pub(crate) fn viridis_gradient() -> String {
-    let anchors = VIRIDIS.map(css);
-    format!("linear-gradient(to right, {})", anchors.join(", "))
-}
+/// ColorBrewer's PuOr turned round (C. Brewer, Apache License 2.0): purple below nothing, orange above.
+const PURPLE_ORANGE: [[u8; 3]; 9] = [
+    [84, 39, 136],
+    [128, 115, 172],
+    [178, 171, 210],
+    [216, 218, 235],
+    [247, 247, 247],
+    [254, 224, 182],
+    [253, 184, 99],
+    [224, 130, 20],
+    [179, 88, 6],
+];
 
 /// The hues of Okabe and Ito, which the common kinds of colour blindness keep apart; the first ones are
 /// those that differ most.

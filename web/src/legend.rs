@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 
-use crate::colours::{Scale, css, hue, viridis_gradient};
+use crate::colours::{Quantity, Scale, css, hue};
 use crate::number::fixed;
 use crate::state::Workbench;
 
@@ -17,7 +17,7 @@ pub(crate) fn Legend() -> impl IntoView {
     view! {
         <div class="legend" data-testid="legend">
             {move || match scale.get() {
-                Some(Scale::Quantity { name, unit, low, high }) => quantity(name, unit, low, high).into_any(),
+                Some(Scale::Quantity(shown)) => quantity(&shown).into_any(),
                 Some(Scale::Sweeps(count)) => sweeps(count).into_any(),
                 None => ().into_any(),
             }}
@@ -25,14 +25,22 @@ pub(crate) fn Legend() -> impl IntoView {
     }
 }
 
-fn quantity(name: &str, unit: &str, low: f64, high: f64) -> impl IntoView + use<> {
+fn quantity(shown: &Quantity) -> impl IntoView + use<> {
+    let Quantity {
+        name,
+        unit,
+        low,
+        high,
+        map,
+    } = *shown;
     let digits = if high.abs() < 10.0 { 3 } else { 1 };
+    let end = |value: f32| fixed(f64::from(value), digits);
     view! {
         <p class="legend-title">{format!("{name}, {unit}")}</p>
-        <div class="ramp" style:background=viridis_gradient()></div>
+        <div class="ramp" style:background=map.gradient()></div>
         <p class="ends">
-            <span>{fixed(low, digits)}</span>
-            <span>{fixed(high, digits)}</span>
+            <span>{end(low)}</span>
+            <span>{end(high)}</span>
         </p>
     }
 }

@@ -8,9 +8,8 @@
 
 mod app;
 mod colours;
-mod downloads;
 mod files;
-mod index;
+mod history;
 mod lab;
 mod legend;
 mod number;
@@ -19,9 +18,10 @@ mod progress;
 mod result;
 mod run;
 mod scene;
+mod shortcuts;
+mod stages;
 mod start;
 mod state;
-mod summary;
 mod table;
 
 use wasm_bindgen::JsCast;

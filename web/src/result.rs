@@ -2,12 +2,10 @@
 
 use leptos::prelude::*;
 
-use crate::downloads::Downloads;
-use crate::index::IndexPanel;
 use crate::pictures::Pictures;
 use crate::scene::Scene;
+use crate::stages::Stages;
 use crate::state::Workbench;
-use crate::summary::{Summary, Warnings};
 use crate::table::ViewsTable;
 
 /// The result screen.
@@ -21,14 +19,7 @@ pub(crate) fn ResultScreen() -> impl IntoView {
                 <Scene />
             </Show>
             <div class="side">
-                <Show when=move || is_measured.get()>
-                    <Summary />
-                </Show>
-                <IndexPanel />
-                <Show when=move || is_measured.get()>
-                    <Warnings />
-                    <Downloads />
-                </Show>
+                <Stages />
             </div>
             <Show when=move || is_measured.get()>
                 <ViewsTable />

@@ -1,24 +1,29 @@
 //! The state of the workbench and what can be done with it. The screens only show it.
 
+use std::pin::pin;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use futures::future::{AbortHandle, Aborted, abortable};
+use futures::future::{AbortHandle, Aborted, Either, abortable, select};
 use leptos::prelude::*;
-use snellius::pipeline::Settings;
+use snellius::pipeline::{Settings, Stage};
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
+use crate::history::History;
 use crate::run::{
-    Facts, FileKind, Hand, Outcome, PictureSet, Problem, ProblemKind, Progress, Run, run,
+    Facts, FileKind, Lab, Outcome, PictureSet, Problem, ProblemKind, Progress, sleep,
 };
 
-/// What the colours of the object's points mean.
+/// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ColourBy {
     RayDistance,
-    Sweep,
+    Sigma,
     Depth,
+    Sweep,
+    /// The wall's points by how far they lie off it.
+    Residual,
 }
 
 /// Which screen is shown.
@@ -27,6 +32,43 @@ pub(crate) enum Screen {
     Start,
     Running,
     Result,
+}
+
+/// How it stands with a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StageState {
+    Waiting,
+    Running,
+    Done,
+    Warning,
+    Failed,
+}
+
+/// Where the scene is looked at from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    Front,
+    Side,
+    Above,
+}
+
+/// What the scene is told to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SceneCommand {
+    /// Wall and object shall fill the picture.
+    Fit,
+    /// The rig's stations shall be in the picture too.
+    FitAll,
+    /// Turn the camera.
+    Look(Look),
+}
+
+/// Changed settings that are being measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rerun {
+    /// The stage that is at work; those after it wait.
+    pub(crate) stage: Stage,
+    pub(crate) progress: Progress,
 }
 
 /// Everything the screens share. A handle: copies mean the same workbench.
@@ -40,33 +82,36 @@ pub(crate) struct Workbench {
     pub(crate) problem: RwSignal<Option<Problem>>,
     /// The scan that is shown.
     pub(crate) facts: RwSignal<Option<Arc<Facts>>>,
-    /// What it gave; nothing yet if the liquid's index is wanted.
+    /// What it gave last; nothing yet if something is wanted first.
     pub(crate) outcome: RwSignal<Option<Arc<Outcome>>>,
-    /// Why the index that was typed is not used.
-    pub(crate) index_problem: RwSignal<Option<Problem>>,
+    /// Why the settings give nothing; the outcome is then that of earlier ones.
+    pub(crate) stage_problem: RwSignal<Option<Problem>>,
     /// How it is measured.
     pub(crate) settings: RwSignal<Settings>,
+    /// Changed settings that are being measured.
+    pub(crate) rerun: RwSignal<Option<Rerun>>,
+    /// The settings before these.
+    pub(crate) history: RwSignal<History>,
     /// The view that is chosen, everywhere.
     pub(crate) chosen: RwSignal<Option<usize>>,
     /// The chosen view's pictures.
     pub(crate) pictures: RwSignal<Option<PictureSet>, LocalStorage>,
     /// What the colours mean.
     pub(crate) colour_by: RwSignal<ColourBy>,
-    /// Whether the object is shown where it is, or where it would be without refraction.
-    pub(crate) refraction: RwSignal<bool>,
+    /// The object is shown where it is (1), where it would be without refraction (0), or between.
+    pub(crate) refraction: RwSignal<f32>,
+    /// The scene without perspective.
+    pub(crate) orthographic: RwSignal<bool>,
+    /// What the scene was told last.
+    pub(crate) command: RwSignal<Option<SceneCommand>>,
+    /// The sheet of keys is shown.
+    pub(crate) help: RwSignal<bool>,
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
-    hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
+    lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
-    remeasure: StoredValue<Remeasure>,
-}
-
-/// A newer index waits for the older one's answer, and only the newest.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Remeasure {
-    Idle,
-    Busy,
-    BusyAndStale,
+    /// The settings that were measured last, whatever came of it.
+    measured: StoredValue<Settings>,
 }
 
 impl Workbench {
@@ -77,16 +122,21 @@ impl Workbench {
             problem: RwSignal::new(None),
             facts: RwSignal::new(None),
             outcome: RwSignal::new(None),
-            index_problem: RwSignal::new(None),
+            stage_problem: RwSignal::new(None),
             settings: RwSignal::new(Settings::default()),
+            rerun: RwSignal::new(None),
+            history: RwSignal::new(History::default()),
             chosen: RwSignal::new(None),
             pictures: RwSignal::new_local(None),
             colour_by: RwSignal::new(ColourBy::RayDistance),
-            refraction: RwSignal::new(true),
+            refraction: RwSignal::new(1.0),
+            orthographic: RwSignal::new(false),
+            command: RwSignal::new(None),
+            help: RwSignal::new(false),
             at_start: RwSignal::new(false),
-            hand: StoredValue::new_local(None),
+            lab: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
-            remeasure: StoredValue::new(Remeasure::Idle),
+            measured: StoredValue::new(Settings::default()),
         }
     }
 
@@ -121,6 +171,40 @@ impl Workbench {
         }
     }
 
+    /// How it stands with a stage.
+    pub(crate) fn stage_state(self, stage: Stage) -> StageState {
+        if let Some(Rerun { stage: at_work, .. }) = self.rerun.get() {
+            if stage == at_work {
+                return StageState::Running;
+            }
+            if stage > at_work {
+                return StageState::Waiting;
+            }
+        }
+        let failed = self.stage_problem.with(|problem| {
+            let problem = problem.as_ref().filter(|p| p.stage == Some(stage))?;
+            Some(problem.kind)
+        });
+        match failed {
+            Some(ProblemKind::IndexWanted) => return StageState::Warning,
+            Some(_) => return StageState::Failed,
+            None => {}
+        }
+        let has_outcome = self.outcome.with(Option::is_some);
+        if !has_outcome && stage > Stage::Spots {
+            return StageState::Waiting;
+        }
+        let warned = self.outcome.with(|outcome| {
+            let warnings = outcome.iter().flat_map(|outcome| &outcome.warnings);
+            warnings.into_iter().any(|warning| warning.stage == stage)
+        });
+        if warned {
+            StageState::Warning
+        } else {
+            StageState::Done
+        }
+    }
+
     /// Measures a file. What is shown stays until the new scan is measured.
     pub(crate) fn open(self, file: Blob, name: String) {
         self.cancel();
@@ -128,11 +212,16 @@ impl Workbench {
         self.file_name.set(name);
         self.progress.set(Some(Progress::default()));
         let tell = move |progress| self.progress.set(Some(progress));
-        let (running, handle) = abortable(run(file, Settings::default(), tell));
+        let first_run = async move {
+            let lab = Lab::open(file).await?;
+            let outcome = lab.measure(Settings::default(), tell).await;
+            Ok((lab, outcome))
+        };
+        let (running, handle) = abortable(first_run);
         self.cancel.set_value(Some(handle));
         spawn_local(async move {
             match running.await {
-                Ok(Ok(run)) => self.show(run),
+                Ok(Ok((lab, outcome))) => self.show(lab, outcome),
                 Ok(Err(problem)) => self.fail(problem),
                 // Whoever cancelled has put the page in order.
                 Err(Aborted) => {}
@@ -166,29 +255,37 @@ impl Workbench {
         self.at_start.set(false);
     }
 
-    fn show(self, run: Run) {
-        let outcome = match run.outcome {
-            Ok(outcome) => Some(Arc::new(outcome)),
-            Err(problem) if problem.kind == ProblemKind::IndexWanted => None,
-            Err(problem) => return self.fail(problem),
-        };
-        self.hand.set_value(Some(Rc::new(run.hand)));
+    /// Shows a scan: what it gave, or which stage failed.
+    fn show(self, lab: Lab, outcome: Result<Outcome, Problem>) {
+        if let Err(problem) = &outcome
+            && problem.stage.is_none_or(|stage| stage < Stage::Spots)
+        {
+            return self.fail(problem.clone());
+        }
+        self.facts.set(Some(Arc::new(lab.facts().clone())));
+        self.lab.set_value(Some(Rc::new(lab)));
         self.settings.set(Settings::default());
-        self.index_problem.set(None);
+        self.history.set(History::default());
+        self.measured.set_value(Settings::default());
+        self.stage_problem.set(None);
         self.pictures.set(None);
         self.chosen.set(None);
-        self.facts.set(Some(Arc::new(run.facts)));
-        self.outcome.set(outcome);
+        self.outcome.set(None);
         self.at_start.set(false);
         self.progress.set(None);
-        self.choose_first();
+        if let Err(problem) = &outcome
+            && problem.kind != ProblemKind::IndexWanted
+        {
+            self.problem.set(Some(problem.clone()));
+        }
+        self.take(outcome);
     }
 
     /// The view in the middle of the scan that has an object point: there is something to see at once.
     fn choose_first(self) {
         let view = self.outcome.with_untracked(|outcome| {
             let views = &outcome.as_ref()?.views;
-            let good = |view: &usize| views[*view].result.object.is_some();
+            let good = |view: &usize| !views[*view].points.is_empty();
             let middle = views.len() / 2;
             (middle..views.len())
                 .find(good)
@@ -203,13 +300,13 @@ impl Workbench {
             return;
         }
         self.chosen.set(view);
-        let (Some(view), Some(hand)) = (view, self.hand.get_value()) else {
+        let (Some(view), Some(lab)) = (view, self.lab.get_value()) else {
             self.pictures.set(None);
             return;
         };
         spawn_local(async move {
-            let pictures = hand.pictures(view).await;
-            if !self.is_current(&hand) || self.chosen.get_untracked() != Some(view) {
+            let pictures = lab.pictures(view).await;
+            if !self.is_current(&lab) || self.chosen.get_untracked() != Some(view) {
                 return;
             }
             match pictures {
@@ -219,62 +316,135 @@ impl Workbench {
         });
     }
 
-    /// Sets the liquid's index (`None`: the manifest's) and measures again, live.
-    pub(crate) fn set_index(self, index: Option<f64>) {
-        self.settings.update(|settings| settings.index = index);
-        match self.remeasure.get_value() {
-            Remeasure::Idle => spawn_local(self.measure_again()),
-            _ => self.remeasure.set_value(Remeasure::BusyAndStale),
+    /// Chooses the next view, or the one before.
+    pub(crate) fn step(self, by: isize) {
+        let views = self
+            .facts
+            .with_untracked(|f| f.as_ref().map_or(0, |f| f.stations.len()));
+        let next = match self.chosen.get_untracked() {
+            Some(view) => view.saturating_add_signed(by),
+            None => 0,
+        };
+        if next < views {
+            self.choose(Some(next));
         }
     }
 
-    async fn measure_again(self) {
-        loop {
-            self.remeasure.set_value(Remeasure::Busy);
-            let Some(hand) = self.hand.get_value() else {
-                break;
+    /// Changes the settings and measures again, live. `what` names the change: as long as the same thing
+    /// is being turned, it is one step of the history.
+    pub(crate) fn change(self, what: &'static str, change: impl FnOnce(&mut Settings)) {
+        let before = self.settings.get_untracked();
+        let mut settings = before;
+        change(&mut settings);
+        if settings != before {
+            self.history.update(|history| history.note(what, before));
+            self.apply(settings);
+        }
+    }
+
+    /// Whatever was being turned has been let go.
+    pub(crate) fn let_go(self) {
+        self.history.update(History::let_go);
+    }
+
+    /// Takes the last change back.
+    pub(crate) fn undo(self) {
+        let now = self.settings.get_untracked();
+        if let Some(Some(before)) = self.history.try_update(|history| history.undo(now)) {
+            self.apply(before);
+        }
+    }
+
+    /// Makes the change again that was taken back.
+    pub(crate) fn redo(self) {
+        let now = self.settings.get_untracked();
+        if let Some(Some(after)) = self.history.try_update(|history| history.redo(now)) {
+            self.apply(after);
+        }
+    }
+
+    fn apply(self, settings: Settings) {
+        self.settings.set(settings);
+        if self.rerun.get_untracked().is_none() {
+            spawn_local(self.keep_up());
+        }
+    }
+
+    /// Measures until what was measured is what is set.
+    async fn keep_up(self) {
+        while let Some((lab, settings, stage)) = self.open_change() {
+            self.rerun.set(Some(Rerun {
+                stage,
+                progress: Progress::default(),
+            }));
+            let tell = move |progress: Progress| {
+                let found = progress.done == progress.views;
+                let stage = if found { Stage::Vessel } else { Stage::Spots };
+                self.rerun.set(Some(Rerun { stage, progress }));
             };
-            let outcome = hand.measure(self.settings.get_untracked()).await;
-            if self.is_current(&hand) {
-                self.take_measured(outcome);
-            }
-            if self.remeasure.get_value() == Remeasure::Busy {
-                break;
+            let run = pin!(lab.measure(settings, tell));
+            let newer = pin!(self.newer_settings(settings));
+            // A run that is dropped here ends.
+            if let Either::Left((outcome, _)) = select(run, newer).await
+                && self.is_current(&lab)
+            {
+                self.measured.set_value(settings);
+                self.take(outcome);
             }
         }
-        self.remeasure.set_value(Remeasure::Idle);
+        self.rerun.set(None);
     }
 
-    fn take_measured(self, outcome: Result<Outcome, Problem>) {
+    /// Settings that are not measured yet, and the first stage they concern.
+    fn open_change(self) -> Option<(Rc<Lab>, Settings, Stage)> {
+        let lab = self.lab.get_value()?;
+        let settings = self.settings.get_untracked();
+        let stage = self.measured.get_value().first_changed(&settings)?;
+        Some((lab, settings, stage))
+    }
+
+    /// Ends when the settings are no longer these. A quick run has the time to end before: its result is
+    /// seen while a slider moves.
+    async fn newer_settings(self, than: Settings) {
+        const QUICK: i32 = 300;
+        const LOOK: i32 = 40;
+        sleep(QUICK).await;
+        while self.settings.get_untracked() == than {
+            sleep(LOOK).await;
+        }
+    }
+
+    /// Shows what was measured. If that failed, what was there before stays.
+    fn take(self, outcome: Result<Outcome, Problem>) {
         match outcome {
             Ok(outcome) => {
-                self.index_problem.set(None);
+                self.stage_problem.set(None);
                 self.outcome.set(Some(Arc::new(outcome)));
                 if self.chosen.get_untracked().is_none() {
                     self.choose_first();
                 }
             }
-            Err(problem) if problem.kind == ProblemKind::Own => self.fail(problem),
-            Err(problem) => self.index_problem.set(Some(problem)),
+            Err(problem) if problem.stage.is_none() => self.fail(problem),
+            Err(problem) => self.stage_problem.set(Some(problem)),
         }
     }
 
-    /// Writes a file from the result that is shown.
+    /// Writes a file of what is set. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, kind: FileKind) -> Result<String, Problem> {
-        let hand = self.hand.get_value();
-        let hand = hand.ok_or_else(|| Problem::own("There is no result to save."))?;
-        if self.remeasure.get_value() != Remeasure::Idle {
-            // An index that was typed just now is still to be measured: the file shall have it.
-            let _ = hand.measure(self.settings.get_untracked()).await;
+        const LOOK: i32 = 20;
+        while self.rerun.get_untracked().is_some() {
+            sleep(LOOK).await;
         }
-        hand.write(kind).await
+        let lab = self.lab.get_value();
+        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
+        lab.write(kind, self.settings.get_untracked()).await
     }
 
-    fn is_current(self, hand: &Rc<Hand>) -> bool {
-        self.hand.with_value(|current| {
+    fn is_current(self, lab: &Rc<Lab>) -> bool {
+        self.lab.with_value(|current| {
             current
                 .as_ref()
-                .is_some_and(|current| Rc::ptr_eq(current, hand))
+                .is_some_and(|current| Rc::ptr_eq(current, lab))
         })
     }
 }

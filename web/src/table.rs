@@ -9,7 +9,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::number::fixed;
-use crate::run::{Facts, Outcome, ViewOutcome};
+use crate::run::{Facts, ObjectPoint, Outcome};
 use crate::state::Workbench;
 
 /// What the rows are sorted by.
@@ -137,35 +137,38 @@ fn row(
     first: Option<usize>,
 ) -> impl IntoView + use<> {
     let measured = &outcome.views[view];
-    let result = &measured.result;
+    let id = &facts.stations[view].id;
     let is_chosen = move || workbench.chosen.get() == Some(view);
     // Tab stops at the chosen row, or at the first.
     let stop = move || match workbench.chosen.get() {
         Some(chosen) => chosen == view,
         None => first == Some(view),
     };
-    let object = |axis: usize| result.object.map(|place| fixed(place[axis], 2));
+    let point = outcome.point_of(view);
+    let object = |axis: usize| point.map(|point| fixed(point.place[axis].into(), 2));
     let cell = |text: Option<String>| view! { <td class="number">{text}</td> };
-    let (word, class) = status(result.status);
+    let (word, class) = status(measured.status);
+    let count = measured.points.len();
     view! {
         <tr
             id=row_id(view)
-            data-testid=format!("view-row-{}", result.id)
+            data-testid=format!("view-row-{}", id)
             class=class
             aria-selected=move || is_chosen().to_string()
             tabindex=move || if stop() { "0" } else { "-1" }
             on:click=move |_| workbench.choose(Some(view))
         >
-            <th scope="row">{result.id.clone()}</th>
+            <th scope="row">{id.clone()}</th>
             <td>{facts.stations[view].sweep + 1}</td>
-            <td class="state" title=result.reason.clone()>
+            <td class="state" title=measured.reason.clone()>
                 <span class="dot" aria-hidden="true"></span>
                 {word}
-                {result.reason.clone().map(|reason| view! { <span class="reason">{reason}</span> })}
+                {(count > 1).then(|| view! { <span class="reason">{format!("{count} points")}</span> })}
+                {measured.reason.clone().map(|reason| view! { <span class="reason">{reason}</span> })}
             </td>
             {[0, 1, 2].map(|axis| cell(object(axis))).collect_view()}
-            {cell(sigma(measured).map(|sigma| fixed(sigma, 3)))}
-            {cell(result.ray_distance.map(|distance| fixed(distance, 3)))}
+            {cell(point.map(|point| fixed(point.sigma().into(), 3)))}
+            {cell(point.map(|point| fixed(point.ray_distance.into(), 3)))}
         </tr>
     }
 }
@@ -179,17 +182,14 @@ const fn status(status: Status) -> (&'static str, &'static str) {
     }
 }
 
-/// The length of the three standard deviations together.
-fn sigma(view: &ViewOutcome) -> Option<f64> {
-    let sigma = view.result.object_sigma?;
-    Some(sigma.iter().map(|s| s * s).sum::<f64>().sqrt())
-}
-
 fn sorted(facts: &Facts, outcome: &Outcome, order: Order) -> Vec<usize> {
     let mut rows: Vec<usize> = (0..outcome.views.len()).collect();
     let compare = |a: &usize, b: &usize| {
         let (one, other) = (&outcome.views[*a], &outcome.views[*b]);
-        let by = |value: fn(&ViewOutcome) -> Option<f64>| numbers(value(one), value(other), order);
+        let by = |value: fn(&ObjectPoint) -> f32| {
+            let of = |view: usize| outcome.point_of(view).map(value);
+            numbers(of(*a), of(*b), order)
+        };
         let turned = |ordering: Ordering| {
             if order.descending {
                 ordering.reverse()
@@ -200,12 +200,12 @@ fn sorted(facts: &Facts, outcome: &Outcome, order: Order) -> Vec<usize> {
         match order.column {
             Column::View => turned(a.cmp(b)),
             Column::Sweep => turned(facts.stations[*a].sweep.cmp(&facts.stations[*b].sweep)),
-            Column::Status => turned(status(one.result.status).cmp(&status(other.result.status))),
-            Column::Object(0) => by(|view| Some(view.result.object?[0])),
-            Column::Object(1) => by(|view| Some(view.result.object?[1])),
-            Column::Object(_) => by(|view| Some(view.result.object?[2])),
-            Column::Sigma => by(sigma),
-            Column::RayDistance => by(|view| view.result.ray_distance),
+            Column::Status => turned(status(one.status).cmp(&status(other.status))),
+            Column::Object(0) => by(|point| point.place[0]),
+            Column::Object(1) => by(|point| point.place[1]),
+            Column::Object(_) => by(|point| point.place[2]),
+            Column::Sigma => by(ObjectPoint::sigma),
+            Column::RayDistance => by(|point| point.ray_distance),
         }
     };
     rows.sort_by(compare);
@@ -213,7 +213,7 @@ fn sorted(facts: &Facts, outcome: &Outcome, order: Order) -> Vec<usize> {
 }
 
 /// Views without a value come last, whichever way the others run.
-fn numbers(one: Option<f64>, other: Option<f64>, order: Order) -> Ordering {
+fn numbers(one: Option<f32>, other: Option<f32>, order: Order) -> Ordering {
     match (one, other) {
         (Some(one), Some(other)) if order.descending => other.total_cmp(&one),
         (Some(one), Some(other)) => one.total_cmp(&other),

@@ -4,9 +4,11 @@
 //! program ends with 0, with 1 if the input is at fault, and with 2 if it was called wrongly.
 
 mod check;
+mod index;
 mod reconstruct;
 mod schema;
 mod simulate;
+mod table;
 mod views;
 
 use std::io::{self, Write};
@@ -33,6 +35,10 @@ enum Command {
     Reconstruct(reconstruct::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
+    /// Says what a scan tells of the liquid's refractive index, by every method
+    Index(index::Arguments),
+    /// Works out the table of a rig that never moves against its window
+    Table(table::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
     Simulate(simulate::Arguments),
     /// Prints the JSON Schemas of scan.json and result.json
@@ -48,6 +54,12 @@ enum Failure {
     Scan { path: PathBuf, error: ScanError },
     #[error("{path}: {error}")]
     Pipeline { path: PathBuf, error: PipelineError },
+    #[error("{path}: the refractive index is not determined by {method}: {reason}")]
+    NotDetermined {
+        path: PathBuf,
+        method: &'static str,
+        reason: String,
+    },
     #[error("{path}: {error}")]
     Scene { path: PathBuf, error: SceneError },
 }
@@ -85,6 +97,8 @@ pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Index(arguments) => index::run(&arguments),
+        Command::Table(arguments) => table::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
     };

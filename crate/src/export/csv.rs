@@ -1,9 +1,12 @@
 use std::fmt::Write;
 
-use super::ReconstructionResult;
+use super::{ReconstructionResult, ViewResult};
 
-/// A table of the views, one a line, for spreadsheets: RFC 4180 with a header; empty where there is no
-/// value. Lengths in mm, world frame.
+/// A table of the views for spreadsheets: RFC 4180 with a header; empty where there is no value. Lengths
+/// in mm, world frame.
+///
+/// A view has one line; of a line laser as many as it has points of the wall or of the object, whichever
+/// are more, and those that stand in one line have nothing else in common.
 pub fn points_csv(result: &ReconstructionResult) -> String {
     let mut table = String::from(
         "view,status,vessel_x,vessel_y,vessel_z,object_x,object_y,object_z,\
@@ -11,31 +14,35 @@ pub fn points_csv(result: &ReconstructionResult) -> String {
          ray_distance\r\n",
     );
     for view in &result.views {
-        let status = serde_json::to_value(view.status).unwrap_or_default();
-        let _ = write!(
-            table,
-            "{},{}",
-            quoted(&view.id),
-            status.as_str().unwrap_or_default()
-        );
-        let triples = [
-            view.vessel,
-            view.object,
-            view.object_sigma,
-            view.object_sigma_calibration,
-        ];
-        for triple in triples {
-            match triple {
-                Some([x, y, z]) => {
-                    let _ = write!(table, ",{x},{y},{z}");
-                }
-                None => table.push_str(",,,"),
-            }
+        let most = view.vessel.iter().len().max(view.object.iter().len());
+        for line in 0..most.max(1) {
+            write_line(&mut table, view, line);
         }
-        let distance = view.ray_distance.map(|l| l.to_string()).unwrap_or_default();
-        let _ = write!(table, ",{distance}\r\n");
     }
     table
+}
+
+fn write_line(table: &mut String, view: &ViewResult, line: usize) {
+    let status = serde_json::to_value(view.status).unwrap_or_default();
+    let status = status.as_str().unwrap_or_default();
+    let _ = write!(table, "{},{status}", quoted(&view.id));
+    let triples = [
+        &view.vessel,
+        &view.object,
+        &view.object_sigma,
+        &view.object_sigma_calibration,
+    ];
+    for triple in triples {
+        match triple.as_slice().get(line) {
+            Some([x, y, z]) => {
+                let _ = write!(table, ",{x},{y},{z}");
+            }
+            None => table.push_str(",,,"),
+        }
+    }
+    let distance = view.ray_distance.as_slice().get(line);
+    let distance = distance.map(f64::to_string).unwrap_or_default();
+    let _ = write!(table, ",{distance}\r\n");
 }
 
 fn quoted(field: &str) -> String {

@@ -7,6 +7,7 @@ mod result;
 pub use csv::points_csv;
 pub use ply::{object_ply, vessel_ply};
 pub use result::{
-    GlowResult, IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult,
-    ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+    BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
+    VesselResult, ViewResult, WallResult,
 };

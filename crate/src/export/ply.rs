@@ -7,10 +7,11 @@ pub fn object_ply(result: &ReconstructionResult) -> String {
     let rows: Vec<[f64; 7]> = result
         .views
         .iter()
-        .filter_map(|view| {
-            let ([x, y, z], [sx, sy, sz]) = (view.object?, view.object_sigma?);
-            Some([x, y, z, sx, sy, sz, view.ray_distance?])
+        .flat_map(|view| {
+            let points = view.object.iter().zip(view.object_sigma.iter());
+            points.zip(view.ray_distance.iter())
         })
+        .map(|(([x, y, z], [sx, sy, sz]), l)| [*x, *y, *z, *sx, *sy, *sz, *l])
         .collect();
     ply(
         result,
@@ -30,7 +31,8 @@ pub fn object_ply(result: &ReconstructionResult) -> String {
 
 /// The vessel's points, on the wall's outer face, as an ASCII PLY point cloud.
 pub fn vessel_ply(result: &ReconstructionResult) -> String {
-    let rows: Vec<[f64; 3]> = result.views.iter().filter_map(|view| view.vessel).collect();
+    let points = result.views.iter().flat_map(|view| view.vessel.iter());
+    let rows: Vec<[f64; 3]> = points.copied().collect();
     ply(result, "vessel", ["x", "y", "z"], &rows)
 }
 

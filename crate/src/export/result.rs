@@ -1,8 +1,11 @@
 //! `result.json`: the public format of a reconstruction.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use crate::scan::{LengthUnit, VesselShape};
+use crate::index::{IndexMethod, Verdict};
+use crate::scan::{InsideMedium, LengthUnit, VesselShape};
 
 /// Generates a struct of the result: public, serialisable, with a schema.
 macro_rules! result {
@@ -24,24 +27,6 @@ pub enum ReconstructionFormat {
     #[default]
     #[serde(rename = "refractive-reconstruction")]
     RefractiveReconstruction,
-}
-
-/// Where the liquid's index comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum IndexMethod {
-    /// The manifest or the user said it.
-    Given,
-}
-
-/// What the index is worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// The manifest or the user said it.
-    Given,
 }
 
 /// What became of a view.
@@ -72,6 +57,39 @@ pub enum SpotRole {
     Stray,
 }
 
+/// What a view gave: of a spot laser one value or none (`null`), of a line laser a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum OneOrMany<T> {
+    /// Of a spot laser.
+    One(Option<T>),
+    /// Of a line laser.
+    Many(Vec<T>),
+}
+
+impl<T> OneOrMany<T> {
+    /// All of them, however many there are.
+    pub fn as_slice(&self) -> &[T] {
+        match self {
+            Self::One(one) => one.as_slice(),
+            Self::Many(many) => many,
+        }
+    }
+
+    /// All of them in their order.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.as_slice().iter()
+    }
+}
+
+impl<T: Copy> OneOrMany<T> {
+    /// The first, which is the only one of a spot laser.
+    pub fn first(&self) -> Option<T> {
+        self.as_slice().first().copied()
+    }
+}
+
 /// The wall's outer face, in the world frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -100,14 +118,22 @@ pub enum WallResult {
         /// Millimetres.
         radius: f64,
     },
-    /// Any smooth wall: a uniform bicubic B-spline of heights over a reference plane. The control point in
-    /// column i and row j belongs to the place `start + ((i - 1) step[0], (j - 1) step[1])`.
+    /// Any smooth wall: a uniform bicubic B-spline of heights over a simple surface. Places on that are
+    /// lengths from `origin`: along both tangents (plane); around the axis, which is the second tangent,
+    /// and along it (cylinder); as longitude times radius and latitude times radius, with the second
+    /// tangent towards the pole (sphere). The control point in column i and row j belongs to the place
+    /// `start + ((i - 1) step[0], (j - 1) step[1])`.
     Freeform {
-        /// The reference plane's origin, mm.
+        /// What the heights stand on.
+        base: BaseResult,
+        /// Its radius, mm, if it is round.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        radius: Option<f64>,
+        /// A point of it, mm.
         origin: [f64; 3],
-        /// Its unit normal towards the rig.
+        /// Its unit normal there, towards the rig.
         normal: [f64; 3],
-        /// The unit vectors that places are counted along.
+        /// The unit vectors there that places are counted along.
         tangents: [[f64; 3]; 2],
         /// The grid's first place, mm.
         start: [f64; 2],
@@ -122,6 +148,19 @@ pub enum WallResult {
         /// The corners of the measured patch; beyond it there is no wall.
         patch: Vec<[f64; 2]>,
     },
+}
+
+/// The simple surface that a free form's heights stand on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum BaseResult {
+    /// Flat.
+    Plane,
+    /// Round about an axis.
+    Cylinder,
+    /// Round about a centre.
+    Sphere,
 }
 
 result! {
@@ -165,6 +204,12 @@ result! {
         pub method: IndexMethod,
         /// What it is worth.
         pub verdict: Verdict,
+        /// Within it the index lies 95 times in 100, where it was estimated; also where there is no value.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub interval: Option<[f64; 2]>,
+        /// Why the scan cannot tell, and what would let it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub reason: Option<String>,
     }
 
     /// The vessel's wall.
@@ -215,18 +260,47 @@ result! {
         /// Why it has no object point.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+        /// What the beam enters behind the wall, by what was measured, where the manifest says otherwise.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inside_proposed: Option<InsideMedium>,
+        /// What the view was measured in, where a proposal was accepted.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inside: Option<InsideMedium>,
         /// The point on the wall's outer face, world frame, mm.
-        pub vessel: Option<[f64; 3]>,
+        pub vessel: OneOrMany<[f64; 3]>,
         /// The point on the object, world frame, mm.
-        pub object: Option<[f64; 3]>,
+        pub object: OneOrMany<[f64; 3]>,
         /// One standard deviation along each axis, mm, from the pictures' noise and the wall's fit.
-        pub object_sigma: Option<[f64; 3]>,
+        pub object_sigma: OneOrMany<[f64; 3]>,
         /// What an error of calibration and of the index adds, common to all points, mm.
-        pub object_sigma_calibration: Option<[f64; 3]>,
+        pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
-        pub ray_distance: Option<f64>,
-        /// The spots that were found.
+        pub ray_distance: OneOrMany<f64>,
+        /// The spots that were found; of a line laser none, see `line`.
         pub spots: Vec<SpotResult>,
+        /// Of a line laser: the points of its line in the picture.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub line: Option<LineResult>,
+    }
+
+    /// A line laser's line in the picture, px: one point a row or column.
+    pub struct LineResult {
+        /// Where the points of `vessel` are seen, in their order.
+        pub vessel: Vec<[f64; 2]>,
+        /// Where the points of `object` are seen, in their order.
+        pub object: Vec<[f64; 2]>,
+        /// Points that are neither.
+        pub stray: Vec<[f64; 2]>,
+        /// Why points are not the object's, and how many.
+        pub refused: Vec<RefusedResult>,
+    }
+
+    /// Points that were refused alike.
+    pub struct RefusedResult {
+        /// Why.
+        pub reason: String,
+        /// How many points.
+        pub points: usize,
     }
 
     /// A spot.
@@ -238,6 +312,22 @@ result! {
         /// Why it is not the object's.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub reason: Option<String>,
+    }
+}
+
+impl RefusedResult {
+    /// Equal reasons counted, most frequent first.
+    pub fn alike(reasons: impl Iterator<Item = String>) -> Vec<Self> {
+        let mut counts = BTreeMap::new();
+        for reason in reasons {
+            *counts.entry(reason).or_insert(0) += 1;
+        }
+        let counted = counts.into_iter();
+        let mut refused: Vec<_> = counted
+            .map(|(reason, points)| Self { reason, points })
+            .collect();
+        refused.sort_by_key(|refused| std::cmp::Reverse(refused.points));
+        refused
     }
 }
 

@@ -16,7 +16,7 @@ use crate::geometry::{
 };
 use crate::object::{Meeting, meet};
 use crate::optics::{Stack, aim_through};
-use crate::rig::Rig;
+use crate::rig::{Laser, Rig};
 
 /// The indices between which the right one is sought.
 pub const RANGE: (f64, f64) = (0.9, 1.8);
@@ -53,10 +53,10 @@ pub struct Spot {
     pub truth: Point<World>,
 }
 
-/// Spots on the L, and what the range finder is taken to be.
+/// Spots on the L, and what the laser is taken to be.
 #[derive(Clone, Debug)]
 pub struct Experiment {
-    rig: Rig,
+    beam: Ray<Camera>,
     bench: Bench,
     spots: Vec<Spot>,
 }
@@ -78,7 +78,7 @@ impl Experiment {
             wall: WallShape::Plane,
             ..*bench
         };
-        let rig = rig();
+        let beam = beam();
         let stack = bench.stack();
         let planes = planes(bench.l_turn);
         let rotation = Bench { turn: 0.0, ..bench }.rig_rotation();
@@ -89,10 +89,10 @@ impl Experiment {
                 let along = (f64::from(station) - 0.5 * f64::from(STATIONS - 1)) * STEP;
                 let place = middle + Vector3::new(along, height, 0.0);
                 let world_from_camera = Pose::from_parts(rotation, place);
-                spots.extend(spot(&rig, &stack, &planes, world_from_camera));
+                spots.extend(spot(&beam, &stack, &planes, world_from_camera));
             }
         }
-        Self { rig, bench, spots }
+        Self { beam, bench, spots }
     }
 
     /// The same spots as a camera and a laser would see them that are off by the bench's noise and
@@ -102,7 +102,7 @@ impl Experiment {
         let bench = &self.bench;
         let mut out = self.clone();
         // The rig that measures is not quite the one that the calibration says.
-        let beam = &mut out.rig.beam;
+        let beam = &mut out.beam;
         let plane = beam
             .origin
             .coords
@@ -127,7 +127,12 @@ impl Experiment {
     /// Every spot's meeting of rays at an index; `None` where the light would not get through.
     pub fn meetings(&self, index: f64) -> Vec<Option<Meeting>> {
         let stack = self.bench.stack_with(index);
-        let at = |spot: &Spot| meet(&self.rig, &spot.world_from_camera, &stack, spot.pixel).ok();
+        let rig = Rig {
+            camera: Bench::intrinsics(),
+            laser: Laser::Beam(self.beam),
+            flange_from_camera: Pose::identity(),
+        };
+        let at = |spot: &Spot| meet(&rig, &spot.world_from_camera, &stack, spot.pixel).ok();
         self.spots.iter().map(at).collect()
     }
 
@@ -211,15 +216,11 @@ impl Experiment {
     }
 }
 
-/// The range finder as its calibration says it is.
-fn rig() -> Rig {
+/// The laser as its calibration says it is.
+fn beam() -> Ray<Camera> {
     let origin = Point::new(-BASELINE, 0.0, 0.0);
-    let beam = Vector3::new(BASELINE, 0.0, CROSSING).normalize();
-    Rig {
-        camera: Bench::intrinsics(),
-        beam: Ray::new(origin, Direction::assume_unit(beam)),
-        flange_from_camera: Pose::identity(),
-    }
+    let aim = Vector3::new(BASELINE, 0.0, CROSSING).normalize();
+    Ray::new(origin, Direction::assume_unit(aim))
 }
 
 /// The L as seen from above: its edge, and the ends of its left and right planes, x and z.
@@ -245,12 +246,12 @@ fn planes(l_turn: f64) -> [Plane<World>; 2] {
 
 /// The spot of a station on the plane that its beam meets first, if there is one and it is seen.
 fn spot(
-    rig: &Rig,
+    beam: &Ray<Camera>,
     stack: &Stack,
     planes: &[Plane<World>; 2],
     world_from_camera: Pose<World, Camera>,
 ) -> Option<Spot> {
-    let beam = stack.trace(&world_from_camera.ray(&rig.beam)).ok()?;
+    let beam = stack.trace(&world_from_camera.ray(beam)).ok()?;
     let on = |(which, plane): (usize, &Plane<World>)| {
         let along = plane.distance_along(&beam).filter(|along| *along > 0.0)?;
         let truth = beam.at(along);
@@ -265,7 +266,7 @@ fn spot(
     let ahead = Point::origin() + world_from_camera.inverse().direction(aim).vector();
     Some(Spot {
         world_from_camera,
-        pixel: rig.camera.pixel(Slope::of(ahead)?),
+        pixel: Bench::intrinsics().pixel(Slope::of(ahead)?),
         plane,
         truth,
     })

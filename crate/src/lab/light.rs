@@ -5,7 +5,7 @@ use crate::camera::{OutsideLens, Pixel, Slope};
 use crate::geometry::{Direction, Point, Pose, Ray, World};
 use crate::object::{Meeting, MeetingError, meet, meet_unrefracted};
 use crate::optics::{AimError, Stack, TotalReflection, aim_through, refract};
-use crate::rig::Rig;
+use crate::rig::{Laser, Rig};
 
 /// Light where it crosses a face, or fails to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -283,7 +283,7 @@ fn measure(
         .ok_or(NoMeasurement::OutOfPicture)?;
     let rig = Rig {
         camera: intrinsics,
-        beam: camera_from_world.ray(&beam.start),
+        laser: Laser::Beam(camera_from_world.ray(&beam.start)),
         flange_from_camera: Pose::identity(),
     };
     let index = bench.assumed.unwrap_or_else(|| bench.liquid.index());

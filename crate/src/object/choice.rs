@@ -1,9 +1,13 @@
 use serde::{Deserialize, Serialize};
 
-use super::grain;
+use super::line::find_on_line;
+use super::select::{Fitting, Selection, select};
 use super::uncertainty::{Noise, noise};
-use super::{Meeting, MeetingError, Setup, calibration_sigmas, meet};
+use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
+use super::{back, grain};
 use crate::camera::Pixel;
+use crate::geometry::{Ray, World};
+use crate::rig::Laser;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
 use crate::spots::{Spot, Spots};
@@ -56,8 +60,77 @@ pub enum Refusal {
         /// The largest allowed, mm.
         limit: f64,
     },
-    /// Another spot fits better.
-    Outdone,
+    /// Another spot of the view fits better.
+    Outdone(Option<Neighbourhood>),
+    /// No other object points make a surface that it lies on.
+    Alone(Neighbourhood),
+    /// The beam passed the object, and landed on the tank's back wall.
+    BackWall {
+        /// How far behind the front wall's inner face, mm.
+        depth: f64,
+        /// How far behind the rest of what was measured, mm.
+        space: f64,
+    },
+    /// The beam passed the object, and landed on the far side of the round vessel.
+    FarSide,
+}
+
+/// How a spot stands to the surface that the neighbouring views make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbourhood {
+    /// How far behind that surface it lies (before it, if negative), mm along the beam; `None` where the
+    /// neighbours make none.
+    pub off: Option<f64>,
+    /// One standard deviation of it, mm.
+    pub sigma: Option<f64>,
+}
+
+impl std::fmt::Display for Neighbourhood {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (Some(off), Some(sigma)) = (self.off, self.sigma) else {
+            return f.write_str("no points of neighbouring views are near");
+        };
+        let side = if off < 0.0 { "before" } else { "behind" };
+        let off = off.abs();
+        write!(
+            f,
+            "it lies {off:.1} mm {side} the surface that neighbouring views make, known to {sigma:.1} mm there"
+        )
+    }
+}
+
+impl Refusal {
+    /// Whether such a spot shows that there are ghosts: it is neither the object's nor the wall's own.
+    const fn tells_of_ghosts(&self) -> bool {
+        /// The inner face's glow lies no farther before the face than this, mm.
+        const GLOW: f64 = 10.0;
+        match self {
+            Self::NoMeeting(_) | Self::RayDistance { .. } => true,
+            Self::BeforeInnerFace { depth } => *depth < -GLOW,
+            Self::Outdone(_) | Self::Alone(_) | Self::BackWall { .. } | Self::FarSide => false,
+        }
+    }
+}
+
+impl Refusal {
+    /// As its text, without the numbers that differ from point to point.
+    pub fn kind(&self) -> String {
+        match self {
+            Self::BeforeInnerFace { .. } => {
+                "the rays meet before the wall's inner face or on it: the wall's own light"
+                    .to_owned()
+            }
+            Self::RayDistance { .. } => {
+                "a greater ray distance than noise and calibration explain".to_owned()
+            }
+            Self::Outdone(_) => {
+                "another point on the same ray of the laser has more light".to_owned()
+            }
+            Self::Alone(_) => "no other object points make a surface that it lies on".to_owned(),
+            Self::BackWall { .. } => "the laser passed the object, and landed behind it".to_owned(),
+            Self::NoMeeting(_) | Self::FarSide => self.to_string(),
+        }
+    }
 }
 
 impl std::fmt::Display for Refusal {
@@ -76,7 +149,17 @@ impl std::fmt::Display for Refusal {
                     "ray distance {distance:.3} mm, more than the {limit:.3} mm that noise and calibration explain"
                 )
             }
-            Self::Outdone => f.write_str("another spot of the view fits better"),
+            Self::Outdone(None) => f.write_str("another spot of the view fits better"),
+            Self::Outdone(Some(place)) => {
+                write!(f, "another spot of the view fits better; {place}")
+            }
+            Self::BackWall { depth, space } => write!(
+                f,
+                "the vessel's back wall: one of the points on a face parallel to the front, {depth:.1} mm behind \
+                 it and {space:.1} mm behind the object"
+            ),
+            Self::FarSide => f.write_str("it lies on the far side of the vessel's own wall"),
+            Self::Alone(place) => write!(f, "stands alone, as ghosts do: {place}"),
         }
     }
 }
@@ -84,8 +167,8 @@ impl std::fmt::Display for Refusal {
 /// What became of a view's spots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// The object point, if one was found.
-    pub point: Option<ObjectPoint>,
+    /// The object points that were found: at most one for a beam.
+    pub points: Vec<ObjectPoint>,
     /// The spots that were refused, and why.
     pub refused: Vec<(usize, Refusal)>,
 }
@@ -93,28 +176,42 @@ pub struct Choice {
 /// Finds each view's object point among the spots that are not its vessel spot.
 ///
 /// A spot is refused where the light paths do not meet behind the wall, or pass each other at more than
-/// `gap_sigmas` standard deviations. Of those left the one with the greatest
-/// `ln(brightness) - gap^2 / (2 sigma^2)` is taken: a spot is the likelier real the brighter it is and
-/// the smaller its ray distance. The standard deviation starts from noise and calibration; when most
-/// views agree better than that, it is narrowed to their own spread and the choice made once more.
+/// `gap_sigmas` standard deviations. That standard deviation starts from noise and calibration; when most
+/// views agree better than that, it is narrowed to their own spread. Of those left the one is taken for
+/// which ray distance, brightness and the neighbouring views speak; where there are ghosts, none with
+/// which no neighbours agree.
+///
+/// Of a sheet of light the light paths always meet. There the point must lie behind the wall, and on each
+/// ray that of the curve with the most light is taken.
 pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) -> Vec<Choice> {
+    if let Laser::Sheet(sheet) = &setup.rig.laser {
+        return find_on_line(setup, sheet, spots, settings);
+    }
     let candidates: Vec<Vec<Candidate>> = (0..setup.stations.len())
         .map(|view| candidates(setup, view, &spots[view], settings))
         .collect();
     let expected = expected_gaps(setup, &candidates);
-    let choose_all = |limit: f64| -> Vec<Choice> {
+    let judge_all = |limit: f64| -> Vec<Judged> {
         let views = candidates.iter().zip(&expected);
         views
-            .map(|(list, expected)| choose(list, expected.min(limit), settings))
+            .map(|(list, expected)| judge_view(list, expected.min(limit), settings))
             .collect()
     };
-    let first = choose_all(f64::INFINITY);
-    let mut choices = match observed_gap(&first) {
-        Some(observed) => choose_all(observed),
+    let first = judge_all(f64::INFINITY);
+    let judged = match observed_gap(&first) {
+        Some(observed) => judge_all(observed),
         None => first,
     };
+    let mut choices = choose(setup, judged);
+    back::refuse(setup, &mut choices);
     count_grain(setup, spots, &mut choices);
     choices
+}
+
+/// The grain of laser light as the chosen spots show it (see [`Spot::covariance_with`]); where they are
+/// too few, that of the wall's spots.
+pub fn object_grain(setup: &Setup, choices: &[Choice]) -> f64 {
+    grain::estimate(choices, &sweeps(setup.stations)).unwrap_or(setup.vessel.grain)
 }
 
 /// Puts the grain that the object's own spots show into their points' standard deviations, where there
@@ -124,12 +221,11 @@ fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {
         return;
     };
     for (view, choice) in choices.iter_mut().enumerate() {
-        let Some(point) = &mut choice.point else {
-            continue;
-        };
-        let spot = &spots[view].spots[point.spot];
-        if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
-            point.noise = noise;
+        for point in &mut choice.points {
+            let spot = &spots[view].spots[point.spot];
+            if let Ok(noise) = noise(setup, &setup.stations[view], spot, grain) {
+                point.noise = noise;
+            }
         }
     }
 }
@@ -148,12 +244,8 @@ fn candidates(
     spots: &Spots,
     settings: &ObjectSettings,
 ) -> Vec<Candidate> {
-    let taken = setup.vessel.points[view].as_ref().map(|p| p.spot);
-    let free = spots
-        .spots
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| Some(*i) != taken);
+    let taken = |spot: usize| setup.vessel.points[view].iter().any(|p| p.spot == spot);
+    let free = spots.spots.iter().enumerate().filter(|(i, _)| !taken(*i));
     free.map(|(index, spot)| Candidate {
         spot: index,
         pixel: spot.pixel(),
@@ -163,7 +255,8 @@ fn candidates(
     .collect()
 }
 
-fn examine(
+/// The point that a spot would make, were it the object's.
+pub(super) fn examine(
     setup: &Setup,
     station: &Station,
     spot: &Spot,
@@ -184,48 +277,55 @@ fn examine(
 /// The standard deviation of each view's ray distance that calibration explains. It is taken at one of
 /// the view's spots, as it hardly differs between them.
 fn expected_gaps(setup: &Setup, candidates: &[Vec<Candidate>]) -> Vec<f64> {
-    let usable = |list: &Vec<Candidate>| list.iter().find(|c| c.outcome.is_ok()).map(|c| c.pixel);
-    let measured: Vec<Option<Pixel>> = candidates.iter().map(usable).collect();
+    let usable = |list: &Vec<Candidate>| {
+        let first = list.iter().find(|c| c.outcome.is_ok());
+        first.map(|c| c.pixel).into_iter().collect()
+    };
+    let measured: Vec<Vec<Pixel>> = candidates.iter().map(usable).collect();
+    let gap = |sigmas: Vec<CommonSigma>| sigmas.first().map_or(0.0, |s| s.gap);
     let sigmas = calibration_sigmas(setup, &measured);
-    sigmas
-        .into_iter()
-        .map(|s| s.map_or(0.0, |s| s.gap))
-        .collect()
+    sigmas.into_iter().map(gap).collect()
+}
+
+/// A view's spots, held against their ray distances.
+#[derive(Default)]
+struct Judged {
+    fitting: Vec<Fitting>,
+    refused: Vec<(usize, Refusal)>,
 }
 
 /// The spread of the ray distances about zero that the views themselves show, as a standard deviation;
-/// `None` for too few views to tell.
-fn observed_gap(choices: &[Choice]) -> Option<f64> {
+/// `None` for too few views to tell. A view speaks by its likeliest spot: the brighter and the nearer.
+fn observed_gap(views: &[Judged]) -> Option<f64> {
     const LEAST_VIEWS: usize = 8;
-    let gap = |c: &Choice| c.point.as_ref().map(|p| p.meeting.gap());
-    let gaps: Vec<f64> = choices.iter().filter_map(gap).collect();
+    let likelihood = |spot: &Fitting| libm::log(spot.brightness) - 0.5 * spot.gap * spot.gap;
+    let likeliest = |view: &Judged| {
+        let spots = view.fitting.iter();
+        let best = spots.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))?;
+        Some(best.point.meeting.gap())
+    };
+    let gaps: Vec<f64> = views.iter().filter_map(likeliest).collect();
     (gaps.len() >= LEAST_VIEWS).then(|| robust_scale(&gaps))
 }
 
-/// Chooses among a view's candidates; `common` is the part of the ray distance's standard deviation that
-/// is not the pictures' noise.
-fn choose(candidates: &[Candidate], common: f64, settings: &ObjectSettings) -> Choice {
-    let mut refused = Vec::new();
-    let mut fitting = Vec::new();
+/// Holds a view's candidates against their ray distances; `common` is the part of the ray distance's
+/// standard deviation that is not the pictures' noise.
+fn judge_view(candidates: &[Candidate], common: f64, settings: &ObjectSettings) -> Judged {
+    let mut judged = Judged::default();
     for candidate in candidates {
         match judge(candidate, common, settings) {
-            Ok((likelihood, point)) => fitting.push((likelihood, point)),
-            Err(refusal) => refused.push((candidate.spot, refusal)),
+            Ok(fitting) => judged.fitting.push(fitting),
+            Err(refusal) => judged.refused.push((candidate.spot, refusal)),
         }
     }
-    fitting.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut fitting = fitting.into_iter().map(|(_, point)| point);
-    let point = fitting.next();
-    refused.extend(fitting.map(|p| (p.spot, Refusal::Outdone)));
-    Choice { point, refused }
+    judged
 }
 
-/// How likely a candidate is the object's spot (up to a constant, as a logarithm).
 fn judge(
     candidate: &Candidate,
     common: f64,
     settings: &ObjectSettings,
-) -> Result<(f64, ObjectPoint), Refusal> {
+) -> Result<Fitting, Refusal> {
     let (meeting, noise) = candidate.outcome.clone()?;
     let sigma = (common * common + noise.gap * noise.gap).sqrt();
     let limit = settings.gap_sigmas * sigma;
@@ -233,11 +333,55 @@ fn judge(
     if distance > limit {
         return Err(Refusal::RayDistance { distance, limit });
     }
-    let z = distance / sigma;
-    let point = ObjectPoint {
-        spot: candidate.spot,
-        meeting,
-        noise,
-    };
-    Ok((libm::log(candidate.brightness) - 0.5 * z * z, point))
+    Ok(Fitting {
+        point: ObjectPoint {
+            spot: candidate.spot,
+            meeting,
+            noise,
+        },
+        brightness: candidate.brightness,
+        gap: distance / sigma,
+    })
+}
+
+/// Chooses among the spots that pass by their ray distances.
+fn choose(setup: &Setup, judged: Vec<Judged>) -> Vec<Choice> {
+    let strays = judged.iter().flat_map(|view| &view.refused);
+    let strays = strays
+        .filter(|(_, refusal)| refusal.tells_of_ghosts())
+        .count();
+    let (fitting, refused): (Vec<_>, Vec<_>) = judged
+        .into_iter()
+        .map(|view| (view.fitting, view.refused))
+        .unzip();
+    let beams: Vec<Option<Ray<World>>> = setup.stations.iter().map(|s| beam(setup, s)).collect();
+    let selections = select(&fitting, &beams, strays);
+    let views = fitting.into_iter().zip(refused).zip(selections);
+    views
+        .map(|((fitting, refused), selection)| chosen(fitting, refused, &selection))
+        .collect()
+}
+
+fn chosen(
+    fitting: Vec<Fitting>,
+    mut refused: Vec<(usize, Refusal)>,
+    selection: &Selection,
+) -> Choice {
+    let mut points = Vec::new();
+    for (index, spot) in fitting.into_iter().enumerate() {
+        let place = selection.evidence[index].neighbourhood();
+        match selection.chosen {
+            Some(chosen) if chosen == index => points.push(spot.point),
+            Some(_) => refused.push((spot.point.spot, Refusal::Outdone(Some(place)))),
+            None => refused.push((spot.point.spot, Refusal::Alone(place))),
+        }
+    }
+    Choice { points, refused }
+}
+
+/// A view's beam behind the wall.
+pub(super) fn beam(setup: &Setup, station: &Station) -> Option<Ray<World>> {
+    let stack = setup.vessel.wall.stack(&setup.media, station.inside).ok()?;
+    let beam = station.world_from_camera.ray(&setup.rig.laser.axis());
+    stack.trace(&beam).ok()
 }

@@ -51,10 +51,10 @@ fn neighbours(choices: &[Choice], sweep_of: &[usize]) -> Vec<Neighbours> {
     let mut pairs = Vec::new();
     for (view, choice) in choices.iter().enumerate() {
         let last = before[sweep_of[view]].replace(view);
-        let (Some(here), Some(last)) = (&choice.point, last) else {
+        let (Some(here), Some(last)) = (choice.points.first(), last) else {
             continue;
         };
-        let Some(there) = &choices[last].point else {
+        let Some(there) = choices[last].points.first() else {
             continue;
         };
         let difference = here.meeting.gap() - there.meeting.gap();

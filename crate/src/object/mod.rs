@@ -1,14 +1,23 @@
 //! The object's surface: both light paths traced through the wall, their midpoint, the ray distance,
 //! standard deviations, and which of several spots is real (section II-D of the paper).
 
+mod back;
 mod choice;
+mod fan;
 mod grain;
+mod line;
+mod media;
 mod meeting;
+mod neighbours;
+mod select;
 mod uncertainty;
 
-pub use choice::{Choice, ObjectPoint, ObjectSettings, Refusal, find_object};
-pub use meeting::{Meeting, MeetingError, line_of_sight, meet, meet_unrefracted};
-pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, noise};
+pub use choice::{
+    Choice, Neighbourhood, ObjectPoint, ObjectSettings, Refusal, find_object, object_grain,
+};
+pub use media::propose_media;
+pub use meeting::{Meeting, MeetingError, laser_ray, line_of_sight, meet, meet_unrefracted};
+pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, index_sigmas, noise};
 
 use crate::optics::Media;
 use crate::rig::{CalibrationSigma, Rig};

@@ -2,9 +2,10 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{Meeting, MeetingError, Setup, meet};
+use super::{Meeting, MeetingError, Setup, laser_ray, line_of_sight, meet};
 use crate::camera::Pixel;
-use crate::optics::Media;
+use crate::geometry::{Point, World};
+use crate::optics::{Media, Path, Stack};
 use crate::rig::{Calibration, Rig};
 use crate::scan::{InsideMedium, Station};
 use crate::spots::Spot;
@@ -32,24 +33,30 @@ impl Noise {
 
 /// How the point and the gap change with one number.
 #[derive(Clone, Copy, Debug)]
-struct Slope {
+pub(super) struct Slope {
     point: Vector3<f64>,
     gap: f64,
 }
 
 impl Slope {
-    fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
+    pub(super) fn between(ahead: &Meeting, back: &Meeting, step: f64) -> Self {
         Self {
             point: (ahead.point() - back.point()) / (2.0 * step),
             gap: (ahead.gap() - back.gap()) / (2.0 * step),
         }
     }
+
+    /// How the point changes if something else follows, which alone changes it as `follower` says, so that
+    /// the gap stays.
+    pub(super) fn following(&self, follower: &Self) -> Vector3<f64> {
+        self.point - follower.point * (self.gap / follower.gap)
+    }
 }
 
 /// Steps for the central differences: px, and radians or mm of the wall's parameters. Far above
 /// rounding, far below where the light paths bend noticeably.
-const PIXEL_STEP: f64 = 1e-3;
-const WALL_STEP: f64 = 1e-5;
+pub(super) const PIXEL_STEP: f64 = 1e-3;
+pub(super) const WALL_STEP: f64 = 1e-5;
 
 /// Propagates the centroid's covariance and that of the wall's fit to a point.
 ///
@@ -79,17 +86,22 @@ pub fn noise(
             PIXEL_STEP,
         ),
     ];
+    // A free form has hundreds of parameters; what matters are those near the two light paths.
+    let movers = wall
+        .outer
+        .movers(&crossings(setup, station, &stack, spot.pixel())?);
     let through = |parameter: usize, step: f64| {
         let mut steps = DVector::zeros(wall.outer.freedom());
         steps[parameter] = step;
         let stack = wall.nudged(&steps).stack(&setup.media, station.inside)?;
         meet(setup.rig, &station.world_from_camera, &stack, spot.pixel())
     };
-    let by_wall = (0..wall.outer.freedom())
+    let by_wall = movers
+        .iter()
         .map(|p| {
             Ok(Slope::between(
-                &through(p, WALL_STEP)?,
-                &through(p, -WALL_STEP)?,
+                &through(*p, WALL_STEP)?,
+                &through(*p, -WALL_STEP)?,
                 WALL_STEP,
             ))
         })
@@ -97,7 +109,7 @@ pub fn noise(
     let camera = spot.covariance_matrix();
     let grainy = spot.covariance_with(grain);
     let (of_spot, gap) = propagated(&by_pixel, |i, j| grainy[(i, j)]);
-    let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(i, j)]);
+    let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(movers[i], movers[j])]);
     let unit_of_grain = spot.covariance_with(1.0) - camera;
     Ok(Noise {
         covariance: of_spot + of_wall,
@@ -105,6 +117,24 @@ pub fn noise(
         gap_camera: propagated(&by_pixel, |i, j| camera[(i, j)]).1,
         gap_grain: propagated(&by_pixel, |i, j| unit_of_grain[(i, j)]).1,
     })
+}
+
+/// Where the laser's light and the line of sight of a pixel cross the wall's faces.
+fn crossings(
+    setup: &Setup,
+    station: &Station,
+    stack: &Stack,
+    pixel: Pixel,
+) -> Result<Vec<Point<World>>, MeetingError> {
+    let pose = &station.world_from_camera;
+    let beam = stack
+        .path(&laser_ray(setup.rig, pose, stack, pixel)?)
+        .map_err(MeetingError::Beam)?;
+    let sight = stack
+        .path(&line_of_sight(setup.rig, pose, pixel)?)
+        .map_err(MeetingError::Sight)?;
+    let bends = |path: Path| path.vertices.into_iter().skip(1);
+    Ok(bends(beam).chain(bends(sight)).collect())
 }
 
 /// J C J^T for the point, and the same for the gap, a variance.
@@ -139,12 +169,12 @@ impl CommonSigma {
     }
 }
 
-/// What an error of calibration would do to each view's point, given the pixel of its spot.
+/// What an error of calibration would do to the points of each view, given the pixels of their spots.
 ///
 /// Each calibrated number is moved by a small part of its sigma, and everything that follows is done
 /// again with the same spots: vessel points, the wall's fit, the light paths. So what an error does to
-/// the wall is in it.
-pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option<CommonSigma>> {
+/// the wall is in it. A spot whose light paths do not meet counts as unmoved.
+pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<CommonSigma>> {
     const PART: f64 = 1e-3;
     let base = all_meetings(
         setup.rig,
@@ -157,7 +187,7 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
         point: Vector3::zeros(),
         gap: 0.0,
     };
-    let mut sums: Vec<Option<CommonSigma>> = base.iter().map(|m| m.map(|_| none)).collect();
+    let mut sums: Vec<Vec<CommonSigma>> = pixels.iter().map(|p| vec![none; p.len()]).collect();
     for number in Calibration::ALL {
         let one = number.sigma(setup.calibration_sigma);
         let off = number.nudge(setup.rig, one * PART);
@@ -165,13 +195,41 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Option<Pixel>]) -> Vec<Option
             continue;
         };
         let moved = all_meetings(&off, &wall, &setup.media, setup.stations, pixels);
-        for ((sum, before), after) in sums.iter_mut().zip(&base).zip(&moved) {
-            if let (Some(total), Some(before), Some(after)) = (sum.as_mut(), before, after) {
-                *total = total.and(&change(before, after, 1.0 / PART));
+        let meetings = base.iter().flatten().zip(moved.iter().flatten());
+        for (sum, meetings) in sums.iter_mut().flatten().zip(meetings) {
+            if let (Some(before), Some(after)) = meetings {
+                *sum = sum.and(&change(before, after, 1.0 / PART));
             }
         }
     }
     sums
+}
+
+/// What an error of the liquid's index, of one standard deviation, would do to the points of each view.
+pub fn index_sigmas(setup: &Setup, pixels: &[Vec<Pixel>], sigma: f64) -> Vec<Vec<CommonSigma>> {
+    const STEP: f64 = 1e-5;
+    let at = |liquid: f64| {
+        let media = Media {
+            liquid,
+            ..setup.media
+        };
+        let wall = &setup.vessel.wall;
+        all_meetings(setup.rig, wall, &media, setup.stations, pixels)
+    };
+    let n = setup.media.liquid;
+    let ends = at(n - STEP).into_iter().zip(at(n + STEP));
+    let one = |(back, ahead): (Option<Meeting>, Option<Meeting>)| {
+        let none = CommonSigma {
+            point: Vector3::zeros(),
+            gap: 0.0,
+        };
+        let both = back.zip(ahead);
+        both.map_or(none, |(back, ahead)| {
+            change(&back, &ahead, sigma / (2.0 * STEP))
+        })
+    };
+    ends.map(|(back, ahead)| back.into_iter().zip(ahead).map(one).collect())
+        .collect()
 }
 
 fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {
@@ -186,22 +244,18 @@ fn all_meetings(
     wall: &Wall,
     media: &Media,
     stations: &[Station],
-    pixels: &[Option<Pixel>],
-) -> Vec<Option<Meeting>> {
+    pixels: &[Vec<Pixel>],
+) -> Vec<Vec<Option<Meeting>>> {
     let liquid = wall.stack(media, InsideMedium::Liquid);
     let air = wall.stack(media, InsideMedium::Air);
-    let one = |(station, pixel): (&Station, &Option<Pixel>)| {
+    let of_view = |(station, pixels): (&Station, &Vec<Pixel>)| {
         let stack = match station.inside {
-            InsideMedium::Liquid => liquid.as_ref().ok()?,
-            InsideMedium::Air => air.as_ref().ok()?,
+            InsideMedium::Liquid => liquid.as_ref().ok(),
+            InsideMedium::Air => air.as_ref().ok(),
         };
-        meet(
-            rig,
-            &rig.station(&station.world_from_flange),
-            stack,
-            (*pixel)?,
-        )
-        .ok()
+        let pose = rig.station(&station.world_from_flange);
+        let one = |pixel: &Pixel| meet(rig, &pose, stack?, *pixel).ok();
+        pixels.iter().map(one).collect()
     };
-    stations.iter().zip(pixels).map(one).collect()
+    stations.iter().zip(pixels).map(of_view).collect()
 }

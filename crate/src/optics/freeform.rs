@@ -2,10 +2,10 @@ use std::sync::Arc;
 
 use nalgebra::Vector2;
 
-use super::Hit;
+use super::{Base, Hit};
 use crate::geometry::{Direction, Plane, Point, Ray, World};
 
-/// A smooth wall of any form: heights over a reference plane, as a uniform bicubic B-spline, within the
+/// A smooth wall of any form: heights over a simple surface, as a uniform bicubic B-spline, within the
 /// patch in which it was measured.
 ///
 /// The spline is twice continuously differentiable, so its normals are exact and smooth. A face behind
@@ -20,26 +20,26 @@ pub struct Freeform {
 /// The spline itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
-    /// Origin and normal of the heights; the normal points towards the rig.
-    pub reference: Plane<World>,
+    /// What the heights stand on.
+    pub base: Base,
     /// The control points' grid.
     pub grid: Grid,
     /// The control points' heights, mm, row by row.
     pub heights: Vec<f64>,
-    /// The corners of the measured patch, counter-clockwise, in the reference plane's tangents, mm.
+    /// The corners of the measured patch, counter-clockwise, in the base's coordinates.
     pub patch: Vec<Vector2<f64>>,
 }
 
-/// A grid of control points in the reference plane's two tangents.
+/// A grid of control points over the base's two coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Where the first cell of the patch begins, mm.
     pub start: Vector2<f64>,
     /// The cells' edges, mm.
     pub step: Vector2<f64>,
-    /// Control points along the first tangent; three more than cells.
+    /// Control points along the first coordinate; three more than cells.
     pub columns: usize,
-    /// Control points along the second tangent.
+    /// Control points along the second coordinate.
     pub rows: usize,
 }
 
@@ -53,7 +53,7 @@ struct Height {
 /// The 16 control points that matter at a place, with their weights and the weights' derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Support {
-    /// Index of the control point, weight, derivative by both tangents.
+    /// Index of the control point, weight, derivatives by both coordinates.
     pub terms: [(usize, f64, Vector2<f64>); 16],
 }
 
@@ -109,16 +109,6 @@ fn cell(at: f64, start: f64, step: f64, points: usize) -> (usize, ([f64; 4], [f6
 }
 
 impl Sheet {
-    /// A point's place in the reference plane's tangents, and its height over the plane.
-    pub fn place(&self, point: Point<World>) -> (Vector2<f64>, f64) {
-        let (u, v) = self.reference.normal.tangents();
-        let d = point - self.reference.point;
-        (
-            Vector2::new(d.dot(&u), d.dot(&v)),
-            d.dot(&self.reference.normal.vector()),
-        )
-    }
-
     fn height(&self, place: Vector2<f64>) -> Height {
         let mut height = Height {
             value: 0.0,
@@ -131,14 +121,15 @@ impl Sheet {
         height
     }
 
-    /// The sheet's point at a place and its unit normal there.
-    fn at(&self, place: Vector2<f64>) -> (Point<World>, Direction<World>) {
+    /// The sheet's point at a place and its unit normal there. With e the base's axes, a its stretch and
+    /// h the height, the normal is along `e3 - (h_s / a1) e1 - (h_t / a2) e2`.
+    pub fn at(&self, place: Vector2<f64>) -> (Point<World>, Direction<World>) {
         let height = self.height(place);
-        let (u, v) = self.reference.normal.tangents();
-        let n = self.reference.normal.vector();
-        let point = self.reference.point + (u * place.x + v * place.y + n * height.value);
-        let normal = n - u * height.slope.x - v * height.slope.y;
-        (point, Direction::assume_unit(normal.normalize()))
+        let here = self.base.span(place, height.value);
+        let slope = height.slope.component_div(&here.stretch);
+        let [along, across, out] = here.axes;
+        let normal = out - along * slope.x - across * slope.y;
+        (here.point, Direction::assume_unit(normal.normalize()))
     }
 
     /// Whether a place lies within the measured patch.
@@ -165,11 +156,14 @@ impl Freeform {
         &self.sheet
     }
 
-    pub(super) fn behind(&self, distance: f64) -> Self {
-        Self {
+    /// `None` where a round base has no room for it.
+    pub(super) fn behind(&self, distance: f64) -> Option<Self> {
+        let behind = self.behind + distance;
+        self.sheet.base.surface().behind(behind)?;
+        Some(Self {
             sheet: Arc::clone(&self.sheet),
-            behind: self.behind + distance,
-        }
+            behind,
+        })
     }
 
     pub(super) fn raised(&self, by: impl Iterator<Item = f64>) -> Self {
@@ -187,27 +181,61 @@ impl Freeform {
 
     /// To first order in the distance, which is exact on the face.
     pub(super) fn signed_distance(&self, point: Point<World>) -> f64 {
-        let (place, height) = self.sheet.place(point);
-        let here = self.sheet.height(place);
-        (height - here.value) / (1.0 + here.slope.norm_squared()).sqrt() + self.behind
+        let (on_sheet, normal) = self.sheet.at(self.foot(point));
+        (point - on_sheet).dot(&normal.vector()) + self.behind
+    }
+
+    /// How much shorter the way from a point to the face is than its height over it: the cosine of the
+    /// face's slope against its base.
+    pub fn cosine(&self, point: Point<World>) -> f64 {
+        let place = self.foot(point);
+        let [.., out] = self.sheet.base.span(place, 0.0).axes;
+        self.sheet.at(place).1.vector().dot(&out)
+    }
+
+    /// How the distance of a point from the face changes with the control heights: the 16 that matter.
+    pub fn distance_slopes(&self, point: Point<World>) -> [(usize, f64); 16] {
+        let cosine = self.cosine(point);
+        let support = self.sheet.grid.support(self.foot(point));
+        // Raising a control point lowers the distances of the points over it.
+        support
+            .terms
+            .map(|(index, weight, _)| (index, -weight * cosine))
+    }
+
+    /// The place of the sheet from which the normal leads to a point of the face.
+    fn foot(&self, point: Point<World>) -> Vector2<f64> {
+        let (mut place, _) = self.sheet.base.place(point);
+        if self.behind == 0.0 {
+            return place;
+        }
+        for _ in 0..SETTLING {
+            let (_, normal) = self.sheet.at(place);
+            let next = self.sheet.base.place(point + normal * self.behind).0;
+            let moved = (next - place).amax();
+            place = next;
+            if moved < SETTLED {
+                break;
+            }
+        }
+        place
     }
 
     pub(super) fn normal_at(&self, point: Point<World>) -> Direction<World> {
-        let (mut place, _) = self.sheet.place(point);
-        // A point behind the sheet belongs to the place from which the normal leads to it.
-        for _ in 0..SETTLING {
-            let (_, normal) = self.sheet.at(place);
-            place = self.sheet.place(point + normal * self.behind).0;
-        }
-        self.sheet.at(place).1
+        self.sheet.at(self.foot(point)).1
+    }
+
+    /// The control points that move the face at a point of it.
+    pub(super) fn support_at(&self, point: Point<World>) -> impl Iterator<Item = usize> {
+        let support = self.sheet.grid.support(self.foot(point));
+        support.terms.into_iter().map(|(index, ..)| index)
     }
 
     /// Where a ray meets the face from its front, within the measured patch: tangent planes, each at the
     /// place where the ray met the one before (Newton's method).
     pub(super) fn hit(&self, ray: &Ray<World>) -> Option<Hit> {
-        let middle = self.sheet.reference.offset(-self.behind);
-        let mut distance = middle.distance_along(ray)?;
-        let (mut place, _) = self.sheet.place(ray.at(distance));
+        let mut distance = self.first_guess(ray)?;
+        let (mut place, _) = self.sheet.base.place(ray.at(distance));
         for _ in 0..SETTLING {
             let (point, normal) = self.sheet.at(place);
             let tangent = Plane::new(point + normal * -self.behind, normal);
@@ -215,7 +243,7 @@ impl Freeform {
                 return None;
             }
             let next = tangent.distance_along(ray)?;
-            place = self.sheet.place(ray.at(next) + normal * self.behind).0;
+            place = self.sheet.base.place(ray.at(next) + normal * self.behind).0;
             let moved = (next - distance).abs();
             distance = next;
             if moved < SETTLED {
@@ -227,6 +255,14 @@ impl Freeform {
             }
         }
         None
+    }
+
+    /// How far along a ray the base is met, or the plane that touches it in its origin.
+    fn first_guess(&self, ray: &Ray<World>) -> Option<f64> {
+        let base = &self.sheet.base;
+        let met = base.surface().behind(self.behind)?.hit(ray);
+        let touching = Plane::new(base.origin, base.normal).offset(-self.behind);
+        met.map_or_else(|| touching.distance_along(ray), |hit| Some(hit.distance))
     }
 }
 

@@ -5,6 +5,7 @@
 //! rig, so that light from the rig meets every interface from its front.
 
 mod aim;
+mod base;
 mod freeform;
 mod media;
 mod snell;
@@ -12,6 +13,7 @@ mod stack;
 mod surface;
 
 pub use aim::{AimError, aim_through};
+pub use base::{Base, BaseShape};
 pub use freeform::{Freeform, Grid, Sheet, convex_hull};
 pub use media::Media;
 pub use snell::{TotalReflection, refract};

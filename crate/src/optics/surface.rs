@@ -101,7 +101,7 @@ impl Surface {
                 radius: smaller(sphere.radius)?,
                 ..*sphere
             }),
-            Self::Freeform(freeform) => Self::Freeform(freeform.behind(distance)),
+            Self::Freeform(freeform) => Self::Freeform(freeform.behind(distance)?),
         })
     }
 
@@ -123,6 +123,20 @@ impl Surface {
             Self::Sphere(_) => 4,
             Self::Freeform(freeform) => freeform.sheet().heights.len(),
         }
+    }
+
+    /// Which of these numbers move the surface at some points of it.
+    pub fn movers(&self, points: &[Point<World>]) -> Vec<usize> {
+        let Self::Freeform(freeform) = self else {
+            return (0..self.freedom()).collect();
+        };
+        let mut movers: Vec<usize> = points
+            .iter()
+            .flat_map(|point| freeform.support_at(*point))
+            .collect();
+        movers.sort_unstable();
+        movers.dedup();
+        movers
     }
 
     /// The surface moved by a small step in its own parameters.

@@ -2,7 +2,7 @@
 
 use super::Reconstruction;
 use crate::geometry::{Point, World};
-use crate::object::line_of_sight;
+use crate::object::{laser_ray, line_of_sight};
 
 /// How the light of a view runs, bent at every face.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,15 +14,19 @@ pub struct LightPaths {
 }
 
 impl Reconstruction<'_> {
-    /// The two light paths that make a view's object point; `None` if the view has none.
+    /// The two light paths that make an object point of a view; of a line's points the middle one.
+    /// `None` if the view has none.
     pub fn light_paths(&self, view: usize) -> Option<LightPaths> {
-        let object = self.object[view].point.as_ref()?;
-        let station = &self.scan.stations[view];
+        let points = &self.object[view].points;
+        let object = points.get(points.len() / 2)?;
+        let station = &self.stations[view];
         let pose = &station.world_from_camera;
         let pixel = self.spots[view].spots[object.spot].pixel();
         let stack = self.vessel.wall.stack(&self.media, station.inside).ok()?;
         let rig = &self.scan.rig;
-        let beam = stack.path(&pose.ray(&rig.beam)).ok()?;
+        let beam = stack
+            .path(&laser_ray(rig, pose, &stack, pixel).ok()?)
+            .ok()?;
         let sight = stack.path(&line_of_sight(rig, pose, pixel).ok()?).ok()?;
         let approach = &object.meeting.approach;
         Some(LightPaths {

@@ -15,26 +15,37 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod index;
 mod light;
+mod parameters;
 mod report;
+mod stage;
 mod summary;
 mod warnings;
 
+pub use index::{InsideIndex, study_index};
 pub use light::LightPaths;
+pub use parameters::{NumberParameter, PARAMETERS, Parameter, ParameterKind, parameters_page};
+pub use stage::{Stage, Warning};
 pub use summary::Summary;
 
 use std::io::{Read, Seek};
 
 use serde::{Deserialize, Serialize};
 
+use crate::camera::Pixel;
 use crate::geometry::{Point, World};
+use crate::index::{IndexError, IndexMethod, IndexRange, IndexStudy, Verdict};
 use crate::object::{
-    Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, meet_unrefracted,
+    Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, index_sigmas,
+    meet_unrefracted, propose_media,
 };
 use crate::optics::Media;
-use crate::scan::{Archive, InsideMedium, Scan, ScanError};
-use crate::spots::{SpotSettings, Spots, find_spots};
-use crate::vessel::{VesselError, VesselFit, VesselSettings, find_vessel};
+use crate::rig::Laser;
+use crate::scan::{Archive, InsideMedium, Scan, ScanError, Station};
+use crate::spots::{SpotSettings, Spots, find_line, find_spots};
+use crate::vessel::{VesselError, VesselFit, VesselSettings};
+use index::Measured;
 
 /// How a scan is measured. The defaults are right for most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,6 +59,13 @@ pub struct Settings {
     pub object: ObjectSettings,
     /// The liquid's refractive index, in place of the manifest's.
     pub index: Option<f64>,
+    /// Whether views are measured in the medium that the scan itself proposes, where that is not the
+    /// manifest's.
+    pub accept_media: bool,
+    /// How the liquid's refractive index is estimated, in place of taking the manifest's.
+    pub index_method: Option<IndexMethod>,
+    /// Where an unknown index is looked for.
+    pub index_range: IndexRange,
 }
 
 /// Why a scan gives no reconstruction.
@@ -59,12 +77,9 @@ pub enum PipelineError {
     /// There is no wall.
     #[error(transparent)]
     Vessel(#[from] VesselError),
-    /// Nobody said what the liquid's index is.
-    #[error(
-        "media.inside: the liquid's refractive index is not given, and this version does not estimate \
-         it; say it (water 1.333, ethanol 1.36, glycerol 1.47)"
-    )]
-    IndexUnknown,
+    /// The index cannot even be tried for.
+    #[error(transparent)]
+    Index(#[from] IndexError),
     /// The index that was asked for cannot be one.
     #[error("{0} is no refractive index of a liquid; these lie between 1 and 4")]
     IndexImpossible(f64),
@@ -88,23 +103,49 @@ pub struct Reconstruction<'a> {
     pub spots: &'a [Spots],
     /// The wall.
     pub vessel: VesselFit,
-    /// The media that were used.
+    /// The media that were used. Where the index is not determined, the liquid's is only where the search
+    /// for it started.
     pub media: Media,
-    /// Each view's object point.
+    /// The scan's stations; where media were accepted, with those.
+    pub stations: Vec<Station>,
+    /// What each view's beam seems to enter, where that is not what the manifest says.
+    pub inside_proposed: Vec<Option<InsideMedium>>,
+    /// The liquid's index, and what it is worth.
+    pub index: InsideIndex,
+    /// What all methods say of it, where it was estimated.
+    pub index_study: Option<IndexStudy>,
+    /// Each view's object points.
     pub object: Vec<Choice>,
-    /// What an error of calibration and index would do to each.
-    pub common_sigmas: Vec<Option<CommonSigma>>,
-    /// Where each object point would come to lie if refraction were ignored (Fig. 11 b).
-    pub unrefracted: Vec<Option<Point<World>>>,
+    /// What an error of calibration and index would do to each of them.
+    pub common_sigmas: Vec<Vec<CommonSigma>>,
+    /// Where each of them would come to lie if refraction were ignored (Fig. 11 b).
+    pub unrefracted: Vec<Vec<Option<Point<World>>>>,
 }
 
-/// Reads a view's pictures and finds its spots.
+impl Reconstruction<'_> {
+    /// What stood between the spots and the object's points.
+    pub fn setup(&self) -> Setup<'_> {
+        Setup {
+            rig: &self.scan.rig,
+            calibration_sigma: &self.scan.calibration_sigma,
+            stations: &self.stations,
+            vessel: &self.vessel,
+            media: self.media,
+        }
+    }
+}
+
+/// Reads a view's pictures and finds its spots, or the points of its line.
 pub fn observe<R: Read + Seek>(
     archive: &mut Archive<R>,
     view: usize,
     settings: &Settings,
 ) -> Result<Spots, ScanError> {
-    Ok(find_spots(&archive.pictures(view)?, &settings.spots))
+    let pictures = archive.pictures(view)?;
+    Ok(match &archive.scan().rig.laser {
+        Laser::Beam(_) => find_spots(&pictures, &settings.spots),
+        Laser::Sheet(sheet) => find_line(&pictures, sheet.profiles(), &settings.spots),
+    })
 }
 
 /// Measures vessel and object from the spots of all views, which stand in the manifest's order.
@@ -116,64 +157,96 @@ pub fn reconstruct<'a>(
     if spots.iter().all(|view| view.spots.is_empty()) {
         return Err(PipelineError::NoSpots { views: spots.len() });
     }
-    let media = media(scan, settings)?;
-    let vessel = find_vessel(scan, spots, &media, &settings.vessel)?;
-    let setup = Setup {
+    let wanted = index::wanted(scan, settings)?;
+    let Measured {
+        vessel,
+        media,
+        mut object,
+        index,
+        study,
+    } = index::measure(scan, spots, settings, wanted)?;
+    let setup = |stations| Setup {
         rig: &scan.rig,
         calibration_sigma: &scan.calibration_sigma,
-        stations: &scan.stations,
+        stations,
         vessel: &vessel,
         media,
     };
-    let object = find_object(&setup, spots, &settings.object);
-    let common_sigmas = common_sigmas(&setup, spots, &object);
+    let as_said = setup(&scan.stations);
+    // An index that was estimated with views in the wrong medium is no ground to judge them by.
+    let inside_proposed = match index.verdict {
+        Verdict::Given => propose_media(&as_said, spots, &object, &settings.object),
+        _ => vec![None; scan.stations.len()],
+    };
+    let mut stations = scan.stations.clone();
+    if settings.accept_media && inside_proposed.iter().any(Option::is_some) {
+        for (station, proposed) in stations.iter_mut().zip(&inside_proposed) {
+            station.inside = proposed.unwrap_or(station.inside);
+        }
+        object = find_object(&setup(&stations), spots, &settings.object);
+    }
+    let common_sigmas = common_sigmas(&setup(&stations), spots, &object, index.sigma);
     let unrefracted = unrefracted(scan, spots, &object);
     Ok(Reconstruction {
         scan,
         spots,
         vessel,
         media,
+        stations,
+        inside_proposed,
+        index,
+        index_study: study,
         object,
         common_sigmas,
         unrefracted,
     })
 }
 
-fn media(scan: &Scan, settings: &Settings) -> Result<Media, PipelineError> {
-    let entry = &scan.manifest.media;
-    if let Some(impossible) = settings.index.filter(|n| !(1.0..=4.0).contains(n)) {
-        return Err(PipelineError::IndexImpossible(impossible));
+/// What errors of calibration and of the index would do to each view's points.
+fn common_sigmas(
+    setup: &Setup,
+    spots: &[Spots],
+    object: &[Choice],
+    index_sigma: Option<f64>,
+) -> Vec<Vec<CommonSigma>> {
+    // It hardly changes from one point of a line to the next.
+    let shared_by = match setup.rig.laser {
+        Laser::Beam(_) => 1,
+        Laser::Sheet(_) => 8,
+    };
+    let some = |(choice, view)| {
+        let pixels = pixels(choice, view).into_iter();
+        pixels.step_by(shared_by).collect()
+    };
+    let pixels: Vec<_> = object.iter().zip(spots).map(some).collect();
+    let mut sigmas = calibration_sigmas(setup, &pixels);
+    if let Some(index_sigma) = index_sigma {
+        let index = index_sigmas(setup, &pixels, index_sigma);
+        for (sigma, index) in sigmas.iter_mut().flatten().zip(index.iter().flatten()) {
+            *sigma = sigma.and(index);
+        }
     }
-    let all_in_air = scan.stations.iter().all(|s| s.inside == InsideMedium::Air);
-    let liquid = settings
-        .index
-        .or(entry.inside)
-        .or(all_in_air.then_some(entry.outside))
-        .ok_or(PipelineError::IndexUnknown)?;
-    Ok(Media {
-        outside: entry.outside,
-        wall: entry.wall,
-        liquid,
-    })
+    let all = |(choice, sigmas): (&Choice, &Vec<CommonSigma>)| {
+        let points = 0..choice.points.len();
+        points.map(|point| sigmas[point / shared_by]).collect()
+    };
+    object.iter().zip(&sigmas).map(all).collect()
 }
 
-/// The liquid's index is given, so what calibration does is all there is, until an index has a sigma.
-fn common_sigmas(setup: &Setup, spots: &[Spots], object: &[Choice]) -> Vec<Option<CommonSigma>> {
-    let pixels: Vec<_> = object
-        .iter()
-        .zip(spots)
-        .map(|(choice, view)| Some(view.spots[choice.point.as_ref()?.spot].pixel()))
-        .collect();
-    calibration_sigmas(setup, &pixels)
-}
-
-fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Option<Point<World>>> {
+fn unrefracted(scan: &Scan, spots: &[Spots], object: &[Choice]) -> Vec<Vec<Option<Point<World>>>> {
     let views = object.iter().zip(spots).zip(&scan.stations);
-    views
-        .map(|((choice, view), station)| {
-            let pixel = view.spots[choice.point.as_ref()?.spot].pixel();
-            let meeting = meet_unrefracted(&scan.rig, &station.world_from_camera, pixel);
-            meeting.ok().map(|m| m.point())
-        })
-        .collect()
+    let of_view = |((choice, view), station): ((&Choice, &Spots), &Station)| {
+        let straight = |pixel| meet_unrefracted(&scan.rig, &station.world_from_camera, pixel);
+        let points = pixels(choice, view).into_iter();
+        points
+            .map(|pixel| straight(pixel).ok().map(|m| m.point()))
+            .collect()
+    };
+    views.map(of_view).collect()
+}
+
+/// Where the object points of a view are seen.
+fn pixels(choice: &Choice, spots: &Spots) -> Vec<Pixel> {
+    let points = choice.points.iter();
+    points.map(|p| spots.spots[p.spot].pixel()).collect()
 }

@@ -1,12 +1,14 @@
 //! From a reconstruction to its public format.
 
-use super::{Reconstruction, warnings};
+use super::Reconstruction;
 use crate::export::{
-    GlowResult, IndexMethod, InsideResult, MediaResult, ReconstructionFormat, ReconstructionResult,
-    ShapeChoiceResult, SpotResult, SpotRole, Status, Verdict, VesselResult, ViewResult, WallResult,
+    BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
+    ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
+    VesselResult, ViewResult, WallResult,
 };
-use crate::object::Choice;
-use crate::optics::{Freeform, Surface};
+use crate::object::{Choice, ObjectPoint};
+use crate::optics::{BaseShape, Freeform, Surface};
+use crate::rig::Laser;
 use crate::scan::LengthUnit;
 
 impl Reconstruction<'_> {
@@ -22,17 +24,19 @@ impl Reconstruction<'_> {
                 outside: self.media.outside,
                 wall: self.media.wall,
                 inside: InsideResult {
-                    value: Some(self.media.liquid),
-                    sigma: None,
-                    method: IndexMethod::Given,
-                    verdict: Verdict::Given,
+                    value: self.index.value,
+                    sigma: self.index.sigma,
+                    method: self.index.method,
+                    verdict: self.index.verdict,
+                    interval: self.index.interval,
+                    reason: self.index.reason.clone(),
                 },
             },
             vessel: self.vessel_result(),
             views: (0..manifest.views.len())
                 .map(|view| self.view_result(view))
                 .collect(),
-            warnings: warnings::of(self),
+            warnings: self.warnings().into_iter().map(|w| w.text).collect(),
         }
     }
 
@@ -73,45 +77,105 @@ impl Reconstruction<'_> {
 
     fn view_result(&self, view: usize) -> ViewResult {
         let choice = &self.object[view];
-        let point = choice.point.as_ref();
         let status = self.status(view);
+        let points =
+            |value: fn(&ObjectPoint) -> [f64; 3]| self.of_laser(choice.points.iter().map(value));
         ViewResult {
             id: self.scan.manifest.views[view].id.clone(),
             status,
-            reason: reason(status, choice),
-            vessel: self.vessel.points[view]
-                .as_ref()
-                .map(|p| p.point.to_array()),
-            object: point.map(|p| p.meeting.point().to_array()),
-            object_sigma: point.map(|p| p.noise.sigma().into()),
-            object_sigma_calibration: self.common_sigmas[view].map(|s| s.point.into()),
-            ray_distance: point.map(|p| p.meeting.gap().abs()),
-            spots: self.spot_results(view),
+            reason: self.reason(view),
+            inside_proposed: self.inside_proposed[view],
+            inside: self.inside_proposed[view]
+                .filter(|inside| *inside == self.stations[view].inside),
+            vessel: self.of_laser(self.vessel.points[view].iter().map(|p| p.point.to_array())),
+            object: points(|p| p.meeting.point().to_array()),
+            object_sigma: points(|p| p.noise.sigma().into()),
+            object_sigma_calibration: self
+                .of_laser(self.common_sigmas[view].iter().map(|s| s.point.into())),
+            ray_distance: self.of_laser(choice.points.iter().map(|p| p.meeting.gap().abs())),
+            spots: match self.scan.rig.laser {
+                Laser::Beam(_) => self.spot_results(view),
+                Laser::Sheet(_) => Vec::new(),
+            },
+            line: match self.scan.rig.laser {
+                Laser::Beam(_) => None,
+                Laser::Sheet(_) => Some(self.line_result(view)),
+            },
+        }
+    }
+
+    /// What a view gave, as its laser has it: one or none from a beam, a list from a sheet.
+    fn of_laser<T>(&self, mut values: impl Iterator<Item = T>) -> OneOrMany<T> {
+        match self.scan.rig.laser {
+            Laser::Beam(_) => OneOrMany::One(values.next()),
+            Laser::Sheet(_) => OneOrMany::Many(values.collect()),
         }
     }
 
     /// What became of a view.
     pub(super) fn status(&self, view: usize) -> Status {
         let choice = &self.object[view];
-        match (&choice.point, &self.vessel.points[view]) {
-            (Some(_), _) => Status::Ok,
-            (None, None) => Status::NoVesselSpot,
-            (None, Some(_)) if choice.refused.is_empty() => Status::NoObjectSpot,
-            (None, Some(_)) => Status::Rejected,
+        let has_vessel = !self.vessel.points[view].is_empty();
+        if !choice.points.is_empty() {
+            Status::Ok
+        } else if !has_vessel {
+            Status::NoVesselSpot
+        } else if choice.refused.is_empty() {
+            Status::NoObjectSpot
+        } else {
+            Status::Rejected
+        }
+    }
+
+    fn line_result(&self, view: usize) -> LineResult {
+        let choice = &self.object[view];
+        let spots = &self.spots[view].spots;
+        let pixel = |spot: usize| [spots[spot].u, spots[spot].v];
+        let on_vessel = self.vessel.points[view].iter().map(|p| p.spot);
+        let on_object = choice.points.iter().map(|p| p.spot);
+        let mut is_stray = vec![true; spots.len()];
+        for spot in on_vessel.clone().chain(on_object.clone()) {
+            is_stray[spot] = false;
+        }
+        LineResult {
+            vessel: on_vessel.map(pixel).collect(),
+            object: on_object.map(pixel).collect(),
+            stray: (0..spots.len())
+                .filter(|s| is_stray[*s])
+                .map(pixel)
+                .collect(),
+            refused: refused_alike(choice),
+        }
+    }
+
+    fn reason(&self, view: usize) -> Option<String> {
+        let choice = &self.object[view];
+        match self.status(view) {
+            Status::Ok => None,
+            Status::NoVesselSpot if choice.refused.is_empty() => Some("no laser spot".to_owned()),
+            Status::NoVesselSpot => {
+                Some("no spot lies on the wall, and none on the object".to_owned())
+            }
+            Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
+            Status::Rejected => match self.scan.rig.laser {
+                // The brightest spot comes first, and its refusal is the one to know.
+                Laser::Beam(_) => choice.refused.first().map(|(_, why)| why.to_string()),
+                Laser::Sheet(_) => refused_alike(choice).into_iter().next().map(|r| r.reason),
+            },
         }
     }
 
     fn spot_results(&self, view: usize) -> Vec<SpotResult> {
         let choice = &self.object[view];
-        let vessel = self.vessel.points[view].as_ref().map(|p| p.spot);
-        let object = choice.point.as_ref().map(|p| p.spot);
+        let on_vessel = |spot: usize| self.vessel.points[view].iter().any(|p| p.spot == spot);
+        let on_object = |spot: usize| choice.points.iter().any(|p| p.spot == spot);
         let spots = self.spots[view].spots.iter().enumerate();
         spots
             .map(|(index, spot)| SpotResult {
                 pixel: [spot.u, spot.v],
-                role: match Some(index) {
-                    i if i == vessel => SpotRole::Vessel,
-                    i if i == object => SpotRole::Object,
+                role: match index {
+                    i if on_vessel(i) => SpotRole::Vessel,
+                    i if on_object(i) => SpotRole::Object,
                     _ => SpotRole::Stray,
                 },
                 reason: choice
@@ -127,11 +191,17 @@ impl Reconstruction<'_> {
 /// A free-form wall as the spline that it is.
 fn freeform_result(freeform: &Freeform) -> WallResult {
     let sheet = freeform.sheet();
-    let (u, v) = sheet.reference.normal.tangents();
+    let (base, radius) = match sheet.base.shape {
+        BaseShape::Plane => (BaseResult::Plane, None),
+        BaseShape::Cylinder { radius } => (BaseResult::Cylinder, Some(radius)),
+        BaseShape::Sphere { radius } => (BaseResult::Sphere, Some(radius)),
+    };
     WallResult::Freeform {
-        origin: sheet.reference.point.to_array(),
-        normal: sheet.reference.normal.vector().into(),
-        tangents: [u.into(), v.into()],
+        base,
+        radius,
+        origin: sheet.base.origin.to_array(),
+        normal: sheet.base.normal.vector().into(),
+        tangents: sheet.base.tangents.map(Into::into),
         start: sheet.grid.start.into(),
         step: sheet.grid.step.into(),
         columns: sheet.grid.columns,
@@ -141,16 +211,7 @@ fn freeform_result(freeform: &Freeform) -> WallResult {
     }
 }
 
-fn reason(status: Status, choice: &Choice) -> Option<String> {
-    match status {
-        Status::Ok => None,
-        Status::NoVesselSpot if choice.refused.is_empty() => Some("no laser spot".to_owned()),
-        Status::NoVesselSpot => Some("no spot lies on the wall, and none on the object".to_owned()),
-        Status::NoObjectSpot => Some("no spot but the wall's".to_owned()),
-        // The brightest spot comes first, and its refusal is the one to know.
-        Status::Rejected => choice
-            .refused
-            .first()
-            .map(|(_, refusal)| refusal.to_string()),
-    }
+/// Why points of a line were refused, most frequent first.
+fn refused_alike(choice: &Choice) -> Vec<RefusedResult> {
+    RefusedResult::alike(choice.refused.iter().map(|(_, refusal)| refusal.kind()))
 }

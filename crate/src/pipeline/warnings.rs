@@ -1,25 +1,63 @@
 //! What to know before trusting a reconstruction, in plain sentences.
 
-use super::Reconstruction;
+use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
+use crate::index::Verdict;
+use crate::scan::{InsideMedium, VesselShape};
 use crate::text::{count, some_of};
 
-/// Every warning of a reconstruction, those of the scan first.
-pub(super) fn of(reconstruction: &Reconstruction) -> Vec<String> {
-    let mut warnings = reconstruction.scan.warnings.clone();
-    warnings.extend(statuses(reconstruction));
-    warnings.extend(saturated(reconstruction));
-    warnings.extend(off_epipolar_line(reconstruction));
-    warnings.extend(thickness(reconstruction));
-    warnings.extend(shape(reconstruction));
-    warnings
+impl Reconstruction<'_> {
+    /// What to know before trusting it, that of the scan first.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let of_scan = self.scan.warnings.iter().cloned();
+        let mut warnings: Vec<Warning> = of_scan.map(about(Stage::Scan)).collect();
+        warnings.extend(index(self).map(about(Stage::Index)));
+        warnings.extend(statuses(self));
+        warnings.extend(saturated(self).map(about(Stage::Spots)));
+        let of_vessel = [off_epipolar_line(self), thickness(self), shape(self)];
+        warnings.extend(of_vessel.into_iter().flatten().map(about(Stage::Vessel)));
+        warnings.extend(media(self).into_iter().map(about(Stage::Object)));
+        warnings
+    }
 }
 
-fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
+fn about(stage: Stage) -> impl Fn(String) -> Warning {
+    move |text| Warning { stage, text }
+}
+
+/// An index that the scan cannot tell, or tells badly.
+fn index(reconstruction: &Reconstruction) -> Option<String> {
+    let index = &reconstruction.index;
+    match (index.verdict, index.sigma) {
+        (Verdict::NotDetermined, _) => Some(format!(
+            "the liquid's refractive index is not determined, so there are no object points in it: {}. Or \
+             give the index, if you know the liquid",
+            index.reason.as_deref().unwrap_or_default()
+        )),
+        (Verdict::Weak, Some(sigma)) => Some(format!(
+            "the liquid's refractive index is weakly determined (standard deviation {sigma:.4})"
+        )),
+        _ => None,
+    }
+}
+
+fn statuses(reconstruction: &Reconstruction) -> Vec<Warning> {
     let kinds = [
-        (Status::NoVesselSpot, "no vessel spot was found"),
-        (Status::NoObjectSpot, "no object spot was found"),
-        (Status::Rejected, "every spot but the wall's was refused"),
+        (
+            Status::NoVesselSpot,
+            Stage::Vessel,
+            "no vessel spot was found",
+        ),
+        (
+            Status::NoObjectSpot,
+            Stage::Object,
+            "no object spot was found",
+        ),
+        (
+            Status::Rejected,
+            Stage::Object,
+            "every spot but the wall's was refused",
+        ),
     ];
     let ids = |status: Status| -> Vec<&str> {
         let views = reconstruction.scan.manifest.views.iter().enumerate();
@@ -30,21 +68,21 @@ fn statuses(reconstruction: &Reconstruction) -> Vec<String> {
     };
     kinds
         .iter()
-        .map(|(status, what)| (ids(*status), what))
-        .filter(|(ids, _)| !ids.is_empty())
-        .map(|(ids, what)| format!("in {} {what}: {}", count(ids.len(), "view"), some_of(&ids)))
+        .map(|(status, stage, what)| (ids(*status), *stage, what))
+        .filter(|(ids, ..)| !ids.is_empty())
+        .map(|(ids, stage, what)| Warning {
+            stage,
+            text: format!("in {} {what}: {}", count(ids.len(), "view"), some_of(&ids)),
+        })
         .collect()
 }
 
 fn saturated(reconstruction: &Reconstruction) -> Option<String> {
     let spots = reconstruction.spots.iter().enumerate();
     let used = spots.flat_map(|(view, spots)| {
-        let vessel = reconstruction.vessel.points[view].as_ref().map(|p| p.spot);
-        let object = reconstruction.object[view].point.as_ref().map(|p| p.spot);
-        [vessel, object]
-            .into_iter()
-            .flatten()
-            .map(|spot| &spots.spots[spot])
+        let vessel = reconstruction.vessel.points[view].iter().map(|p| p.spot);
+        let object = reconstruction.object[view].points.iter().map(|p| p.spot);
+        vessel.chain(object).map(|spot| &spots.spots[spot])
     });
     let saturated = used.filter(|spot| spot.saturated).count();
     (saturated > 0).then(|| {
@@ -82,13 +120,42 @@ fn thickness(reconstruction: &Reconstruction) -> Option<String> {
     })
 }
 
-/// A shape that `auto` chose by a hair.
+/// Views that fit another medium far better than the one that the manifest names.
+fn media(reconstruction: &Reconstruction) -> Vec<String> {
+    let kinds = [
+        (InsideMedium::Air, "air", "the liquid"),
+        (InsideMedium::Liquid, "the liquid", "air"),
+    ];
+    let ids = |medium: InsideMedium| -> Vec<&str> {
+        let proposed = reconstruction.inside_proposed.iter();
+        let views = proposed.zip(&reconstruction.scan.manifest.views);
+        views
+            .filter(|(proposed, _)| **proposed == Some(medium))
+            .map(|(_, entry)| entry.id.as_str())
+            .collect()
+    };
+    let warn = |(medium, seems, says): (InsideMedium, &str, &str)| {
+        let ids = ids(medium);
+        (!ids.is_empty()).then(|| {
+            let look = if ids.len() == 1 { "looks" } else { "look" };
+            format!(
+                "{} {look} as if the beam entered {seems}, and scan.json says {says}: {}",
+                count(ids.len(), "view"),
+                some_of(&ids)
+            )
+        })
+    };
+    kinds.into_iter().filter_map(warn).collect()
+}
+
+/// A shape that `auto` chose by a hair. A free form can be anything, so it is never far from a simple shape
+/// that is right.
 fn shape(reconstruction: &Reconstruction) -> Option<String> {
     const SETTLED: f64 = 10.0;
     let choice = reconstruction
         .vessel
         .choice
-        .filter(|choice| choice.margin < SETTLED)?;
+        .filter(|choice| choice.margin < SETTLED && choice.runner_up != VesselShape::Freeform)?;
     Some(
         format!(
             "the vessel points support a {:?} hardly better than a {:?}; give vessel.shape if you know it",

@@ -7,7 +7,7 @@ use super::Rig;
 pub struct CalibrationSigma {
     /// Laser origin, each coordinate, mm.
     pub laser_origin: f64,
-    /// Laser direction, each of two tilts, radians.
+    /// Laser direction, or the normal of a sheet, each of two tilts, radians.
     pub laser_direction: f64,
     /// Focal lengths, px.
     pub focal_length: f64,
@@ -37,7 +37,7 @@ impl Default for CalibrationSigma {
 pub enum Calibration {
     /// Laser origin along a camera axis, mm.
     LaserOrigin(usize),
-    /// Laser direction towards one of its two tangents, radians.
+    /// Laser direction, or the normal of a sheet, towards one of its two tangents, radians.
     LaserDirection(usize),
     /// Focal length across or down the picture, px.
     FocalLength(usize),
@@ -85,17 +85,9 @@ impl Calibration {
     pub fn nudge(self, rig: &Rig, step: f64) -> Rig {
         let mut rig = *rig;
         match self {
-            Self::LaserOrigin(axis) => {
-                rig.beam.origin = rig.beam.origin + unit(axis) * step;
-            }
-            Self::LaserDirection(tangent) => {
-                let (a, b) = if tangent == 0 {
-                    (step, 0.0)
-                } else {
-                    (0.0, step)
-                };
-                rig.beam.direction = rig.beam.direction.tilted(a, b);
-            }
+            Self::LaserOrigin(axis) => rig.laser = rig.laser.moved(unit(axis) * step),
+            Self::LaserDirection(0) => rig.laser = rig.laser.tilted(step, 0.0),
+            Self::LaserDirection(_) => rig.laser = rig.laser.tilted(0.0, step),
             Self::FocalLength(side) => rig.camera.focal[side] += step,
             Self::PrincipalPoint(0) => rig.camera.centre.u += step,
             Self::PrincipalPoint(_) => rig.camera.centre.v += step,

@@ -1,7 +1,8 @@
 use nalgebra::{Vector2, Vector3};
 
+use super::LitPoint;
 use crate::camera::{Intrinsics, Pixel, Slope};
-use crate::geometry::{Camera, Point, Ray};
+use crate::geometry::{Camera, Ray};
 
 /// The image of the laser beam in air: every spot the beam makes before it is bent lies on it.
 ///
@@ -12,17 +13,6 @@ pub struct EpipolarLine {
     beam: Ray<Camera>,
     /// a, b, c of `a x + b y + c = 0` in slopes, with `a^2 + b^2 = 1`.
     line: Vector3<f64>,
-}
-
-/// A spot taken for a point of the beam in air.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnBeam {
-    /// How far along the beam, mm: its order along the epipolar line, whichever side the laser is on.
-    pub along: f64,
-    /// The point.
-    pub point: Point<Camera>,
-    /// How far the spot lies off the epipolar line, in slopes; times the focal length, pixels.
-    pub off_line: f64,
 }
 
 impl EpipolarLine {
@@ -49,7 +39,7 @@ impl EpipolarLine {
     /// intersects it with the beam. `None` if that meets the beam behind the laser or the camera.
     ///
     /// For a sight m on the line, O + s D || m gives s = -(m x O) . (m x D) / |m x D|^2.
-    pub fn triangulate(&self, sight: Slope) -> Option<OnBeam> {
+    pub fn triangulate(&self, sight: Slope) -> Option<LitPoint> {
         let off_line = self.distance(sight);
         let foot = Vector3::new(
             sight.x - off_line * self.line.x,
@@ -59,10 +49,10 @@ impl EpipolarLine {
         let across = foot.cross(&self.beam.direction.vector());
         let along = -foot.cross(&self.beam.origin.coords).dot(&across) / across.norm_squared();
         let point = self.beam.at(along);
-        (along > 0.0 && point.coords.z > 0.0).then_some(OnBeam {
+        (along > 0.0 && point.coords.z > 0.0).then_some(LitPoint {
             along,
             point,
-            off_line,
+            off_line: Some(off_line),
         })
     }
 

@@ -2,13 +2,13 @@
 
 use super::check::positive;
 use super::{
-    CalibrationSigmaEntry, Extra, InsideMedium, LaserKind, Limits, Manifest, Motion, Place,
-    PoseEntry, ScanError, ViewEntry, known_wall,
+    CalibrationSigmaEntry, Extra, InsideMedium, LaserEntry, LaserKind, Limits, Manifest, Motion,
+    Place, PoseEntry, ScanError, ViewEntry, known_wall,
 };
 use crate::camera::{Distortion, Intrinsics, Pixel};
 use crate::geometry::{Camera, Direction, Flange, Frame, Point, Pose, Ray, World};
 use crate::optics::Surface;
-use crate::rig::{CalibrationSigma, Rig};
+use crate::rig::{CalibrationSigma, Laser, Rig, Sheet};
 
 /// A checked scan: the manifest, and what it means in the units and frames of the mathematics.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl Scan {
         check_version(&manifest)?;
         let rig = Rig {
             camera: intrinsics(&manifest)?,
-            beam: beam(&manifest)?,
+            laser: laser(&manifest)?,
             flange_from_camera: pose(&manifest.flange_from_camera, "flange_from_camera")?,
         };
         check_media(&manifest)?;
@@ -167,20 +167,19 @@ fn intrinsics(manifest: &Manifest) -> Result<Intrinsics, ScanError> {
     Ok(camera)
 }
 
-fn beam(manifest: &Manifest) -> Result<Ray<Camera>, ScanError> {
-    let laser = &manifest.laser;
-    if laser.kind == LaserKind::Line {
-        return Err(ScanError::value(
-            Place::key("laser.kind"),
-            "a line laser cannot be measured by this version; it measures spot lasers",
-        ));
+fn laser(manifest: &Manifest) -> Result<Laser, ScanError> {
+    match manifest.laser.kind {
+        LaserKind::Spot => beam(&manifest.laser).map(Laser::Beam),
+        LaserKind::Line => sheet(&manifest.laser).map(Laser::Sheet),
     }
+}
+
+fn beam(laser: &LaserEntry) -> Result<Ray<Camera>, ScanError> {
     let place = Place::key("laser.direction");
     let along = laser
         .direction
         .ok_or_else(|| ScanError::value(place.clone(), "missing; a spot laser needs it"))?;
-    let direction = Direction::new(along.into())
-        .map_err(|_| ScanError::value(place, "a vector of length zero has no direction"))?;
+    let direction = direction(along, place)?;
     let origin = Point::<Camera>::from(laser.origin);
     if origin.coords.cross(&direction.vector()).norm() < 1e-6 {
         return Err(ScanError::value(
@@ -189,6 +188,29 @@ fn beam(manifest: &Manifest) -> Result<Ray<Camera>, ScanError> {
         ));
     }
     Ok(Ray::new(origin, direction))
+}
+
+fn sheet(laser: &LaserEntry) -> Result<Sheet, ScanError> {
+    let place = Place::key("laser.normal");
+    let across = laser
+        .normal
+        .ok_or_else(|| ScanError::value(place.clone(), "missing; a line laser needs it"))?;
+    let sheet = Sheet {
+        apex: Point::from(laser.origin),
+        normal: direction(across, place)?,
+    };
+    if sheet.plane().signed_distance(Point::origin()).abs() < 1e-6 {
+        return Err(ScanError::value(
+            Place::key("laser.origin"),
+            "the sheet goes through the camera's centre, so nothing can be triangulated",
+        ));
+    }
+    Ok(sheet)
+}
+
+fn direction(along: [f64; 3], place: Place) -> Result<Direction<Camera>, ScanError> {
+    Direction::new(along.into())
+        .map_err(|_| ScanError::value(place, "a vector of length zero has no direction"))
 }
 
 fn pose<A: Frame, B: Frame>(entry: &PoseEntry, place: &str) -> Result<Pose<A, B>, ScanError> {

@@ -1,18 +1,21 @@
-//! Scenes -> scans with ground truth: pictures with noise, both glows of the wall, ambient light.
+//! Scenes -> scans with ground truth: pictures with noise, both glows of the wall, ambient light, ghosts.
 //!
 //! Each laser spot is drawn as light makes it: the beam's cross-section is sampled, each sample is
 //! traced to the surface it lands on, and the place where the camera sees that through the wall gets the
 //! lens's blur. Spots on oblique faces come out oblique.
 
+mod ghosts;
+mod ideal;
 mod noise;
 mod render;
 mod scene;
 mod shapes;
 mod truth;
 
+pub use ghosts::{Ghost, GhostKind, Ghosts};
 pub use scene::{
-    Ambient, BeamProfile, Brightness, PictureNoise, Scene, SceneError, SceneMedia, SceneObject,
-    Sweep, Turntable, Vessel,
+    Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Relief, Scene, SceneError,
+    SceneFarWall, SceneMedia, SceneObject, Sweep, Turntable, Vessel,
 };
 pub use shapes::Solid;
 pub use truth::{Truth, TruthView};
@@ -20,8 +23,9 @@ pub use truth::{Truth, TruthView};
 use nalgebra::UnitQuaternion;
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Frame, Point, Pose, Ray, World};
+use crate::geometry::{Camera, Direction, Frame, Point, Pose, Ray, World};
 use crate::optics::{Media, Stack, aim_through};
+use crate::rig::{Laser, Rig, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use render::Exposure;
@@ -36,13 +40,31 @@ pub struct Simulation {
     solids: Vec<Solid>,
 }
 
+/// How much wider than the lens's blur a ghost is: about as wide as a spot.
+const GHOST_WIDTH: f64 = 1.3;
+
 /// Where the laser's light lands in a view.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Landing {
-    outer: Option<Point<World>>,
-    inner: Option<Point<World>>,
+    /// On the wall's faces, from the rig inwards: outer, inner, and those of a far wall.
+    faces: Vec<Point<World>>,
     object: Option<Point<World>>,
+    /// On the vessel's back, where no object stands in the way.
+    back: Option<Point<World>>,
 }
+
+impl Landing {
+    fn outer(&self) -> Option<Point<World>> {
+        self.faces.first().copied()
+    }
+
+    fn inner(&self) -> Option<Point<World>> {
+        self.faces.get(1).copied()
+    }
+}
+
+/// Which vertex of a path lies on the front wall's inner face.
+const INNER: usize = 2;
 
 impl Simulation {
     /// Checks a scene and lays out its stations.
@@ -55,6 +77,7 @@ impl Simulation {
             wall: scene.media.wall,
             liquid: scene.media.inside,
         };
+        wall.stack(&media, InsideMedium::Liquid)?;
         let poses = scene.stations()?;
         manifest.views = poses
             .iter()
@@ -69,7 +92,25 @@ impl Simulation {
             solids,
         };
         simulation.note_media()?;
-        Ok(simulation)
+        let rig = simulation
+            .scene
+            .calibration_error
+            .apply(&simulation.scan.rig);
+        Ok(simulation.with_rig(rig))
+    }
+
+    /// The same scene photographed with a range finder other than the manifest says.
+    pub fn with_rig(mut self, rig: Rig) -> Self {
+        self.scan.rig = rig;
+        for station in &mut self.scan.stations {
+            station.world_from_camera = rig.station(&station.world_from_flange);
+        }
+        self
+    }
+
+    /// The range finder that takes the pictures.
+    pub const fn rig(&self) -> &Rig {
+        &self.scan.rig
     }
 
     /// Notes for each view what the beam enters behind the wall.
@@ -85,6 +126,11 @@ impl Simulation {
     /// The manifest of the scan.
     pub fn manifest(&self) -> &Manifest {
         &self.scan.manifest
+    }
+
+    /// The true wall.
+    pub const fn wall(&self) -> &Wall {
+        &self.wall
     }
 
     /// How many views there are.
@@ -111,16 +157,34 @@ impl Simulation {
 
     /// What the beam of a view enters: air if it meets the inner face above the liquid's level.
     fn medium(&self, view: usize) -> InsideMedium {
-        let station = &self.scan.stations[view];
-        let beam = station.world_from_camera.ray(&self.scan.rig.beam);
+        let beam = self.beam(view);
         match self.through(InsideMedium::Liquid).path(&beam) {
-            Ok(path) => self.scene.medium_at(path.last.origin),
+            Ok(path) => self.scene.medium_at(path.vertices[INNER]),
             Err(_) => InsideMedium::Liquid,
         }
     }
 
+    /// How many faces light crosses on its way to the objects.
+    const fn faces(&self) -> usize {
+        if self.wall.far.is_some() { 4 } else { 2 }
+    }
+
     fn stack(&self, view: usize) -> Stack {
         self.through(self.scan.stations[view].inside)
+    }
+
+    /// The beam's middle in a view.
+    fn beam(&self, view: usize) -> Ray<World> {
+        self.scan.stations[view]
+            .world_from_camera
+            .ray(&self.scan.rig.laser.axis())
+    }
+
+    /// Where the camera of a view is.
+    fn eye(&self, view: usize) -> Point<World> {
+        self.scan.stations[view]
+            .world_from_camera
+            .point(Point::origin())
     }
 
     /// What light crosses into a medium behind the wall.
@@ -139,9 +203,12 @@ impl Simulation {
         };
         let nearest = shapes::nearest(&self.solids, &path.last);
         Landing {
-            outer: path.vertices.get(1).copied(),
-            inner: path.vertices.get(2).copied(),
+            faces: path.vertices[1..].to_vec(),
             object: nearest.map(|hit| hit.point),
+            back: match nearest {
+                Some(_) => None,
+                None => ghosts::back(self, &path.last),
+            },
         }
     }
 
@@ -149,17 +216,40 @@ impl Simulation {
     /// a solid hides it.
     fn seen(&self, view: usize, point: Point<World>, faces: usize) -> Option<Pixel> {
         const SAME_PLACE: f64 = 0.01;
-        let world_from_camera = &self.scan.stations[view].world_from_camera;
-        let mut stack = self.stack(view);
-        stack.interfaces.truncate(faces);
-        let eye = world_from_camera.point(Point::origin());
-        let aim = aim_through(&stack, eye, point).ok()?;
-        let arriving = stack.trace(&Ray::new(eye, aim)).ok()?;
-        let hit = shapes::nearest(&self.solids, &arriving);
+        let aim = self.aim(view, point, faces)?;
+        let arriving = self.arriving(view, aim, faces)?;
+        // All solids stand behind the last face.
+        let behind_all = faces == self.faces();
+        let hit = shapes::nearest(&self.solids, &arriving).filter(|_| behind_all);
         let way = arriving.origin.distance(point);
         if hit.is_some_and(|hit| hit.distance < way - SAME_PLACE) {
             return None;
         }
+        self.project(view, aim)
+    }
+
+    /// As [`Self::seen`], whatever stands in the way.
+    fn image(&self, view: usize, point: Point<World>, faces: usize) -> Option<Pixel> {
+        self.project(view, self.aim(view, point, faces)?)
+    }
+
+    /// The direction in which the camera of a view looks for a point behind the first `faces` faces.
+    fn aim(&self, view: usize, point: Point<World>, faces: usize) -> Option<Direction<World>> {
+        let mut stack = self.stack(view);
+        stack.interfaces.truncate(faces);
+        aim_through(&stack, self.eye(view), point).ok()
+    }
+
+    /// The line of sight in a direction, behind the first `faces` faces.
+    fn arriving(&self, view: usize, aim: Direction<World>, faces: usize) -> Option<Ray<World>> {
+        let mut stack = self.stack(view);
+        stack.interfaces.truncate(faces);
+        stack.trace(&Ray::new(self.eye(view), aim)).ok()
+    }
+
+    /// The pixel of a direction of the world.
+    fn project(&self, view: usize, aim: Direction<World>) -> Option<Pixel> {
+        let world_from_camera = &self.scan.stations[view].world_from_camera;
         let ahead = world_from_camera.inverse().direction(aim);
         self.scan
             .rig
@@ -167,23 +257,109 @@ impl Simulation {
             .project(Point::from_coords(ahead.vector()))
     }
 
-    /// Adds the light of the three spots of a view.
+    /// Whether a place lies on the sensor.
+    fn in_picture(&self, [u, v]: [f64; 2]) -> bool {
+        let camera = &self.scan.rig.camera;
+        (0.0..=f64::from(camera.width - 1)).contains(&u)
+            && (0.0..=f64::from(camera.height - 1)).contains(&v)
+    }
+
+    /// Adds the light of the laser: spots, true and false, or lines.
     fn add_laser(&self, view: usize, exposure: &mut Exposure) {
+        match &self.scan.rig.laser {
+            Laser::Beam(beam) => self.add_beam(view, beam, exposure),
+            Laser::Sheet(sheet) => self.add_sheet(view, sheet, exposure),
+        }
+    }
+
+    fn add_beam(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
-        for (ray, share) in self.scene.beam.rays(&self.scan.rig.beam) {
+        let false_light = ghosts::of(self, view);
+        let on_object = match false_light.object_hidden {
+            true => 0.0,
+            false => brightness.object,
+        };
+        for (ray, share) in self.scene.beam.rays(beam) {
             let landing = self.landing(view, &ray);
-            let spots = [
-                (landing.outer, 0, brightness.outer_face),
-                (landing.inner, 1, brightness.inner_face),
-                (landing.object, 2, brightness.object),
+            let glows = [
+                brightness.outer_face,
+                brightness.inner_face,
+                brightness.far_face,
+                brightness.far_face,
             ];
-            for (point, faces, light) in spots {
+            // A glow on a face is seen through the faces before it.
+            let on_faces = landing.faces.iter().zip(glows).enumerate();
+            let on_faces = on_faces.map(|(face, (point, light))| (Some(*point), face, light));
+            let behind = [
+                (landing.object, self.faces(), on_object),
+                (landing.back, self.faces(), brightness.back),
+            ];
+            let spots = on_faces.chain(behind);
+            for (point, faces, light) in spots.filter(|(.., light)| *light > 0.0) {
                 let pixel = point.and_then(|point| self.seen(view, point, faces));
                 if let Some(pixel) = pixel {
                     exposure.add_spot(pixel, self.scene.beam.blur, share * light);
                 }
             }
         }
+        for ghost in &false_light.spots {
+            let [u, v] = ghost.pixel;
+            exposure.add_spot(
+                Pixel::new(u, v),
+                GHOST_WIDTH * self.scene.beam.blur,
+                ghost.light,
+            );
+        }
+    }
+
+    /// Draws the lines ray by ray: each ray's light is spread over its way from the ray before it.
+    fn add_sheet(&self, view: usize, sheet: &Sheet, exposure: &mut Exposure) {
+        /// Rays that land farther apart, px, are on different surfaces.
+        const CONNECTED: f64 = 4.0;
+        let fan = self.scene.beam.fan(sheet, &self.scan.rig.camera);
+        let brightness = &self.scene.brightness;
+        let lights = [
+            brightness.outer_face,
+            brightness.inner_face,
+            brightness.far_face,
+            brightness.far_face,
+            brightness.object,
+            brightness.back,
+        ];
+        let mut before = vec![[None; 6]; fan.first().map_or(0, Vec::len)];
+        for rays in &fan {
+            for ((ray, share), before) in rays.iter().zip(&mut before) {
+                let pixels = self.glows(view, ray);
+                let steps = pixels.iter().zip(*before).zip(lights);
+                for ((pixel, before), light) in steps {
+                    let Some((pixel, before)) = pixel.zip(before) else {
+                        continue;
+                    };
+                    let way = pixel.distance(before);
+                    if way < CONNECTED {
+                        exposure.add_spot(pixel, self.scene.beam.blur, share * light * way);
+                    }
+                }
+                *before = pixels;
+            }
+        }
+    }
+
+    /// Where the camera sees a ray's light on the faces of the wall and of the far wall, on the object and
+    /// on the vessel's back.
+    fn glows(&self, view: usize, ray: &Ray<Camera>) -> [Option<Pixel>; 6] {
+        let landing = self.landing(view, ray);
+        let face = |face: usize| (landing.faces.get(face).copied(), face);
+        let back = landing.back.filter(|_| self.scene.brightness.back > 0.0);
+        let places = [
+            face(0),
+            face(1),
+            face(2),
+            face(3),
+            (landing.object, self.faces()),
+            (back, self.faces()),
+        ];
+        places.map(|(point, faces)| self.seen(view, point?, faces))
     }
 }
 

@@ -1,7 +1,7 @@
 use nalgebra::Vector3;
 
 use super::noise::Normal;
-use super::{PictureNoise, Simulation, shapes};
+use super::{INNER, PictureNoise, Simulation, shapes};
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Point, Pose, Ray, World};
 use crate::object::line_of_sight;
@@ -84,8 +84,8 @@ fn shade(simulation: &Simulation, sight: &Ray<World>) -> f64 {
     };
     // The tank's edges, seen as bright seams.
     let seam = across.0.max(across.1) > 0.985;
-    let medium = match simulation.through(InsideMedium::Liquid).trace(sight) {
-        Ok(inside) => scene.medium_at(inside.origin),
+    let medium = match simulation.through(InsideMedium::Liquid).path(sight) {
+        Ok(path) => scene.medium_at(path.vertices[INNER]),
         Err(_) => return room,
     };
     let Ok(inside) = simulation.through(medium).trace(sight) else {

@@ -1,7 +1,10 @@
 use serde::{Deserialize, Serialize};
 
-use super::Simulation;
-use crate::geometry::Point;
+use super::{Ghost, Simulation, ghosts};
+use crate::camera::Pixel;
+use crate::export::OneOrMany;
+use crate::geometry::{Camera, Point, Ray, World};
+use crate::rig::{Laser, Sheet};
 
 /// What is true of a simulated scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,19 +17,29 @@ pub struct Truth {
     pub views: Vec<TruthView>,
 }
 
-/// What is true of a view; `null` where there is no such spot.
+/// What is true of a view: of a spot laser one value, or `null` where there is no such spot; of a line
+/// laser lists along its line, in which places and pixels go together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TruthView {
     /// Its id.
     pub id: String,
     /// Where the beam meets the wall's outer face, world frame, mm.
-    pub vessel: Option<[f64; 3]>,
+    pub vessel: OneOrMany<[f64; 3]>,
     /// Where it lands on the object.
-    pub object: Option<[f64; 3]>,
+    pub object: OneOrMany<[f64; 3]>,
     /// Where the outer face's spot is seen, px.
-    pub vessel_pixel: Option<[f64; 2]>,
+    pub vessel_pixel: OneOrMany<[f64; 2]>,
     /// Where the object's spot is seen, px.
-    pub object_pixel: Option<[f64; 2]>,
+    pub object_pixel: OneOrMany<[f64; 2]>,
+    /// Where the beam lands on the vessel's back, having passed the object: no point of the object.
+    #[serde(default)]
+    pub back: Option<[f64; 3]>,
+    /// Where that spot is seen, px.
+    #[serde(default)]
+    pub back_pixel: Option<[f64; 2]>,
+    /// The false spots.
+    #[serde(default)]
+    pub ghosts: Vec<Ghost>,
 }
 
 impl Truth {
@@ -51,23 +64,75 @@ pub(super) fn of(simulation: &Simulation) -> Truth {
 }
 
 fn view_truth(simulation: &Simulation, view: usize) -> TruthView {
-    let landing = simulation.landing(view, &simulation.scan.rig.beam);
-    let camera = &simulation.scan.rig.camera;
-    let pixel = |point, faces| {
-        let pixel = simulation.seen(view, point, faces)?;
-        let inside = pixel.u >= 0.0
-            && pixel.v >= 0.0
-            && pixel.u <= f64::from(camera.width - 1)
-            && pixel.v <= f64::from(camera.height - 1);
-        inside.then_some([pixel.u, pixel.v])
-    };
-    let vessel_pixel = landing.outer.and_then(|point| pixel(point, 0));
-    let object_pixel = landing.object.and_then(|point| pixel(point, 2));
+    match &simulation.scan.rig.laser {
+        Laser::Beam(beam) => beam_truth(simulation, view, beam),
+        Laser::Sheet(sheet) => sheet_truth(simulation, view, sheet),
+    }
+}
+
+fn beam_truth(simulation: &Simulation, view: usize, beam: &Ray<Camera>) -> TruthView {
+    let landing = simulation.landing(view, beam);
+    let false_light = ghosts::of(simulation, view);
+    let back_shows = simulation.scene.brightness.back > 0.0;
+    let behind = simulation.faces();
+    let vessel = seen(simulation, view, landing.faces.first().copied(), 0);
+    let object = landing.object.filter(|_| !false_light.object_hidden);
+    let object = seen(simulation, view, object, behind);
+    let back = seen(
+        simulation,
+        view,
+        landing.back.filter(|_| back_shows),
+        behind,
+    );
     TruthView {
         id: simulation.manifest().views[view].id.clone(),
-        vessel: vessel_pixel.and(landing.outer).map(Point::to_array),
-        object: object_pixel.and(landing.object).map(Point::to_array),
-        vessel_pixel,
-        object_pixel,
+        vessel: OneOrMany::One(vessel.map(|(place, _)| place)),
+        object: OneOrMany::One(object.map(|(place, _)| place)),
+        vessel_pixel: OneOrMany::One(vessel.map(|(_, pixel)| pixel)),
+        object_pixel: OneOrMany::One(object.map(|(_, pixel)| pixel)),
+        back: back.map(|(place, _)| place),
+        back_pixel: back.map(|(_, pixel)| pixel),
+        ghosts: false_light.spots,
     }
+}
+
+fn sheet_truth(simulation: &Simulation, view: usize, sheet: &Sheet) -> TruthView {
+    let fan = simulation
+        .scene
+        .beam
+        .fan(sheet, &simulation.scan.rig.camera);
+    let middles = fan.iter().map(|rays| &rays[rays.len() / 2].0);
+    let landings: Vec<_> = middles.map(|ray| simulation.landing(view, ray)).collect();
+    let vessel = landings
+        .iter()
+        .map(|l| seen(simulation, view, l.outer(), 0));
+    let object = landings
+        .iter()
+        .map(|l| seen(simulation, view, l.object, simulation.faces()));
+    let (vessel, vessel_pixel) = vessel.flatten().unzip();
+    let (object, object_pixel) = object.flatten().unzip();
+    TruthView {
+        id: simulation.manifest().views[view].id.clone(),
+        vessel: OneOrMany::Many(vessel),
+        object: OneOrMany::Many(object),
+        vessel_pixel: OneOrMany::Many(vessel_pixel),
+        object_pixel: OneOrMany::Many(object_pixel),
+        back: None,
+        back_pixel: None,
+        ghosts: Vec::new(),
+    }
+}
+
+/// A place behind the first `faces` faces, and the pixel that shows it.
+fn seen(
+    simulation: &Simulation,
+    view: usize,
+    point: Option<Point<World>>,
+    faces: usize,
+) -> Option<([f64; 3], [f64; 2])> {
+    let Pixel { u, v } = simulation.seen(view, point?, faces)?;
+    let pixel = [u, v];
+    simulation
+        .in_picture(pixel)
+        .then_some((point?.to_array(), pixel))
 }

@@ -6,16 +6,19 @@
 //! and nothing is lost by resampling.
 
 mod difference;
+mod line;
 mod noise;
 mod regions;
 
 pub use difference::Difference;
+pub use line::{Curve, Line, find_line};
 pub use noise::Noise;
 
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Pixel;
+use crate::rig::Profiles;
 use crate::scan::PicturePair;
 
 /// How spots are found.
@@ -85,6 +88,15 @@ impl Spot {
         self.covariance_matrix() + Matrix2::new(uu, uv, uv, vv) * grain
     }
 
+    /// The variance of the place in a profile, px^2, with what the grain adds.
+    pub fn variance_along(&self, profiles: Profiles, grain: f64) -> f64 {
+        let covariance = self.covariance_with(grain);
+        match profiles {
+            Profiles::Rows => covariance.m11,
+            Profiles::Columns => covariance.m22,
+        }
+    }
+
     /// The second moment of the spot's light along a unit vector, px^2.
     pub fn width_along(&self, axis: Vector2<f64>) -> f64 {
         let [uu, uv, vv] = self.shape;
@@ -99,13 +111,16 @@ impl Spot {
     }
 }
 
-/// The spots of one view.
+/// The spots of one view, or the points of its line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spots {
-    /// Brightest first.
+    /// Brightest first, if they are of a beam.
     pub spots: Vec<Spot>,
     /// Standard deviation of the difference picture's noise in its darker half, grey values.
     pub noise: f64,
+    /// Of a sheet of light: how the spots make a line. They stand in its order then.
+    #[serde(default)]
+    pub line: Option<Line>,
 }
 
 /// Finds the spots of a view.
@@ -121,5 +136,6 @@ pub fn find_spots(pictures: &PicturePair, settings: &SpotSettings) -> Spots {
     Spots {
         spots,
         noise: noise.typical(),
+        line: None,
     }
 }

@@ -1,4 +1,4 @@
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::glow::{self, Faces, Glows};
@@ -10,7 +10,7 @@ use super::wall::{FarWall, NoRoom, Wall};
 use crate::camera::Pixel;
 use crate::geometry::{FitError, Point, WeightedPoint, World};
 use crate::optics::{Media, Surface};
-use crate::rig::Rig;
+use crate::rig::{Laser, Rig};
 use crate::robust;
 use crate::scan::{Scan, Station, VesselShape};
 use crate::spots::{Spot, Spots};
@@ -47,12 +47,16 @@ pub struct VesselPoint {
     pub spot: usize,
     /// Where the outer face's own glow is seen: the spot's centroid less what the inner glow does to it.
     pub pixel: Pixel,
+    /// From the outer face's glow to the inner one's, px; zero where they are seen in one place. The
+    /// spot's centroid lies the inner glow's share of this off `pixel`.
+    pub glow_offset: Vector2<f64>,
     /// The point.
     pub point: Point<World>,
     /// One standard deviation across the wall, from the centroid's noise, mm.
     pub sigma: f64,
-    /// How far the spot lies off the epipolar line, px: a health figure of the calibration.
-    pub off_line: f64,
+    /// How far the spot lies off the epipolar line, px: a health figure of the calibration. A sheet has
+    /// no such line.
+    pub off_line: Option<f64>,
     /// How far the point lies in front of the fitted wall, mm.
     pub residual: f64,
 }
@@ -62,8 +66,8 @@ pub struct VesselPoint {
 pub struct VesselFit {
     /// The wall.
     pub wall: Wall,
-    /// The vessel point of each view, if it has one.
-    pub points: Vec<Option<VesselPoint>>,
+    /// The vessel points of each view: at most one for a beam.
+    pub points: Vec<Vec<VesselPoint>>,
     /// Root mean square residual of the points, mm.
     pub rms: f64,
     /// The grain of the laser's light: the variance of a centroid is the camera's noise and this part of
@@ -75,14 +79,27 @@ pub struct VesselFit {
     pub choice: Option<ShapeChoice>,
     /// Whether the wall was known beforehand, so that no error of measurement moves it.
     pub known: bool,
-    /// The views that the fit's rows stand for.
-    views: Vec<usize>,
+    /// What the fit's rows stand for.
+    rows: Vec<Row>,
     fit: SurfaceFit,
+}
+
+/// A row of the fit: where a view saw the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Row {
+    view: usize,
+    pixel: Pixel,
 }
 
 /// Why there is no wall.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VesselError {
+    /// No view shows a line long enough to be the wall's.
+    #[error(
+        "no view shows the laser's line on the vessel's wall; check the laser's calibration and that \
+         the on and off pictures are not exchanged"
+    )]
+    NoLine,
     /// No spot of any view lies near the epipolar line.
     #[error(
         "no view has a spot within {tolerance} px of the epipolar line, so the vessel's wall is not \
@@ -160,29 +177,41 @@ pub fn find_vessel(
         }),
         front: usual_place(&scan.stations),
     };
-    finder.find()
+    match &scan.rig.laser {
+        Laser::Beam(_) => finder.find(),
+        Laser::Sheet(sheet) => finder.find_on_line(sheet),
+    }
 }
 
 /// What does not change while the wall is found.
-struct Finder<'a> {
-    rig: &'a Rig,
-    stations: &'a [Station],
-    spots: &'a [Spots],
+pub(super) struct Finder<'a> {
+    pub(super) rig: &'a Rig,
+    pub(super) stations: &'a [Station],
+    pub(super) spots: &'a [Spots],
     media: &'a Media,
-    settings: &'a VesselSettings,
-    shape: VesselShape,
-    known: Option<Surface>,
-    thickness: f64,
+    pub(super) settings: &'a VesselSettings,
+    pub(super) shape: VesselShape,
+    pub(super) known: Option<Surface>,
+    pub(super) thickness: f64,
     far: Option<FarWall>,
-    front: Point<World>,
+    pub(super) front: Point<World>,
 }
 
 /// A view's vessel spot, and where its outer glow is.
 #[derive(Clone, Copy)]
-struct Pick {
-    view: usize,
-    candidate: Candidate,
-    pixel: Pixel,
+pub(super) struct Pick {
+    pub(super) view: usize,
+    pub(super) candidate: Candidate,
+    pub(super) pixel: Pixel,
+}
+
+impl Pick {
+    const fn row(&self) -> Row {
+        Row {
+            view: self.view,
+            pixel: self.pixel,
+        }
+    }
 }
 
 impl Finder<'_> {
@@ -199,7 +228,7 @@ impl Finder<'_> {
             let more = self.without_inner_glow(&merged, &faces, share + glows.share_sigma);
             self.add_uncertainty(&mut fit, &more);
         }
-        self.assemble(&picks, fit, (grain, glows, choice))
+        self.assemble(&picks, &faces, fit, (grain, glows, choice))
     }
 
     /// Each view's spot on the wall, and a first fit.
@@ -244,7 +273,7 @@ impl Finder<'_> {
     }
 
     /// Holds the points against a wall that is known beforehand.
-    fn hold_against(
+    pub(super) fn hold_against(
         &self,
         known: Surface,
         points: &[WeightedPoint<World>],
@@ -260,12 +289,15 @@ impl Finder<'_> {
 
     /// Estimates the grain of the laser's light and counts it into the picks' standard deviations.
     fn add_grain(&self, picks: &mut [Pick]) -> f64 {
-        let normal = self.rig.epipolar_line().normal();
+        let Some(line) = self.rig.epipolar_line() else {
+            return 0.0;
+        };
+        let normal = line.normal();
         let off_line = |pick: &Pick| {
             let spot = self.spot(pick.view, &pick.candidate);
             OffLine {
                 along: pick.candidate.along,
-                off: pick.candidate.off_line,
+                off: pick.candidate.off_line.unwrap_or(0.0),
                 variance: (normal.transpose() * spot.covariance_matrix() * normal).x,
                 width: spot.width_along(normal),
             }
@@ -284,19 +316,20 @@ impl Finder<'_> {
         &self.spots[view].spots[candidate.spot]
     }
 
-    /// Triangulates the picks in air, as the range finder `rig` would.
-    fn points(&self, rig: &Rig, picks: &[Pick], near: &Surface) -> Vec<WeightedPoint<World>> {
+    /// Triangulates the picks in air.
+    fn points(&self, picks: &[Pick], near: &Surface) -> Vec<WeightedPoint<World>> {
+        let rig = self.rig;
         let one = |pick: &Pick| {
             let world_from_camera = rig.station(&self.stations[pick.view].world_from_flange);
-            let point = match pick::on_beam(rig, pick.pixel) {
-                Some(on_beam) => world_from_camera.point(on_beam.point),
+            let point = match pick::lit_point(rig, pick.pixel) {
+                Some(lit) => world_from_camera.point(lit.point),
                 None => world_from_camera.point(pick.candidate.point),
             };
-            let beam = world_from_camera.direction(rig.beam.direction);
-            // An error along the beam counts across the wall by the cosine of incidence.
+            let way = world_from_camera.direction(pick.candidate.way);
+            // An error along the light counts across the wall by the cosine of incidence.
             let cosine = near
                 .normal_at(point)
-                .map_or(1.0, |normal| beam.dot(normal).abs());
+                .map_or(1.0, |normal| way.dot(normal).abs());
             WeightedPoint {
                 point,
                 sigma: pick.candidate.sigma * cosine,
@@ -305,15 +338,15 @@ impl Finder<'_> {
         picks.iter().map(one).collect()
     }
 
-    fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
-        let points = self.points(self.rig, picks, start);
+    pub(super) fn refit(&self, picks: &[Pick], start: &Surface) -> Result<SurfaceFit, VesselError> {
+        let points = self.points(picks, start);
         if let Some(known) = &self.known {
             return Ok(hold(&points, known.clone()));
         }
         shape::refit(&points, start).ok_or(VesselError::Undetermined { shape: "wall" })
     }
 
-    fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {
+    pub(super) fn wall(&self, outer: Surface) -> Result<Wall, VesselError> {
         if self.far.is_some() && !matches!(outer, Surface::Plane(_)) {
             return Err(VesselError::FarWallNotFlat);
         }
@@ -322,10 +355,11 @@ impl Finder<'_> {
         Ok(wall)
     }
 
-    fn faces(&self, picks: &[Pick], wall: &Wall) -> Vec<Option<Faces>> {
+    pub(super) fn faces(&self, picks: &[Pick], wall: &Wall) -> Vec<Option<Faces>> {
         let one = |pick: &Pick| {
             let pose = &self.stations[pick.view].world_from_camera;
-            glow::faces(self.rig, pose, wall, self.media)
+            let light = self.rig.laser.ray_to(pick.candidate.point)?;
+            glow::faces(&self.rig.camera, &light, pose, wall, self.media)
         };
         picks.iter().map(one).collect()
     }
@@ -351,8 +385,9 @@ impl Finder<'_> {
                 pick.pixel.u -= share * faces.offset.x;
                 pick.pixel.v -= share * faces.offset.y;
             }
-            if let Some(on_beam) = pick::on_beam(self.rig, pick.pixel) {
-                pick.candidate.off_line = on_beam.off_line * self.rig.camera.mean_focal();
+            if let Some(lit) = pick::lit_point(self.rig, pick.pixel) {
+                pick.candidate.off_line =
+                    lit.off_line.map(|off| off * self.rig.camera.mean_focal());
             }
             pick
         };
@@ -360,8 +395,8 @@ impl Finder<'_> {
     }
 
     /// An error that moves all vessel points to those of `moved` moves the wall with them.
-    fn add_uncertainty(&self, fit: &mut SurfaceFit, moved: &[Pick]) {
-        let points = self.points(self.rig, moved, &fit.surface);
+    pub(super) fn add_uncertainty(&self, fit: &mut SurfaceFit, moved: &[Pick]) {
+        let points = self.points(moved, &fit.surface);
         let shift = |(p, before): (&WeightedPoint<World>, &f64)| {
             fit.surface.signed_distance(p.point) - before
         };
@@ -372,24 +407,26 @@ impl Finder<'_> {
         }
     }
 
-    fn assemble(
+    pub(super) fn assemble(
         &self,
         picks: &[Pick],
+        faces: &[Option<Faces>],
         fit: SurfaceFit,
         (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
-        let mut points = vec![None; self.stations.len()];
-        let places = self.points(self.rig, picks, &fit.surface);
+        let mut points = vec![Vec::new(); self.stations.len()];
+        let places = self.points(picks, &fit.surface);
         for (row, (pick, place)) in picks.iter().zip(&places).enumerate() {
             // A point that the fit refused is no point of the wall.
-            points[pick.view] = (fit.weights[row] > 0.0).then(|| VesselPoint {
+            points[pick.view].extend((fit.weights[row] > 0.0).then(|| VesselPoint {
                 spot: pick.candidate.spot,
                 pixel: pick.pixel,
+                glow_offset: faces[row].map_or_else(Vector2::zeros, |faces| faces.offset),
                 point: place.point,
                 sigma: place.sigma,
                 off_line: pick.candidate.off_line,
                 residual: fit.residuals[row],
-            });
+            }));
         }
         let mut wall = self.wall(fit.surface.clone())?;
         wall.covariance = fit.covariance.clone();
@@ -401,7 +438,7 @@ impl Finder<'_> {
             glows,
             choice,
             known: self.known.is_some(),
-            views: picks.iter().map(|pick| pick.view).collect(),
+            rows: picks.iter().map(Pick::row).collect(),
             fit,
         })
     }
@@ -414,22 +451,30 @@ impl VesselFit {
         if self.known {
             return Some(self.wall.clone());
         }
-        let mut shifts = DVector::zeros(self.views.len());
-        for (row, view) in self.views.iter().enumerate() {
-            let Some(point) = &self.points[*view] else {
-                continue;
-            };
-            let world_from_camera = rig.station(&stations[*view].world_from_flange);
-            let moved = world_from_camera.point(pick::on_beam(rig, point.pixel)?.point);
-            shifts[row] = self.wall.outer.signed_distance(moved) - point.residual;
+        let mut shifts = DVector::zeros(self.rows.len());
+        let supporting = |row: &usize| self.fit.weights[*row] > 0.0;
+        for row in (0..self.rows.len()).filter(supporting) {
+            let Row { view, pixel } = self.rows[row];
+            let world_from_camera = rig.station(&stations[view].world_from_flange);
+            let moved = world_from_camera.point(pick::lit_point(rig, pixel)?.point);
+            shifts[row] = self.wall.outer.signed_distance(moved) - self.fit.residuals[row];
         }
         Some(self.wall.nudged(&self.fit.response(&shifts)?))
+    }
+
+    /// Takes all points of a line in place of those few that the fit was made with.
+    pub(super) fn replace_points(&mut self, points: Vec<Vec<VesselPoint>>) {
+        let squares = points.iter().flatten().map(|p| p.residual * p.residual);
+        let count = points.iter().flatten().count();
+        self.rms = (squares.sum::<f64>() / count.max(1) as f64).sqrt();
+        self.points = points;
     }
 
     /// The median of how far the vessel's spots lie off the epipolar line, px, with its sign: 0 if the
     /// laser's calibration is right.
     pub fn median_off_line(&self) -> Option<f64> {
-        let off: Vec<f64> = self.points.iter().flatten().map(|p| p.off_line).collect();
+        let points = self.points.iter().flatten();
+        let off: Vec<f64> = points.filter_map(|p| p.off_line).collect();
         (!off.is_empty()).then(|| robust::median(off))
     }
 }

@@ -18,13 +18,12 @@
 use nalgebra::Vector2;
 
 use super::Wall;
-use crate::camera::Pixel;
-use crate::geometry::{Camera, Point, Pose, World};
+use crate::camera::{Intrinsics, Pixel};
+use crate::geometry::{Camera, Point, Pose, Ray, World};
 use crate::optics::{Media, aim_through};
-use crate::rig::Rig;
 use crate::robust::{median, robust_scale};
 use crate::scan::InsideMedium;
-use crate::spots::Spot;
+use crate::spots::{Curve, Spot};
 
 /// What the wall's geometry says of a vessel spot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,16 +37,18 @@ pub(super) struct Faces {
 /// Faces that are seen nearer together than this, px, glow as one.
 const LEAST_OFFSET: f64 = 1e-3;
 
-/// Where the inner face's glow is seen, beside the outer one's; `None` where that is the same place.
+/// Where the inner face's glow of the laser's ray `beam` is seen, beside the outer one's; `None` where
+/// that is the same place.
 pub(super) fn faces(
-    rig: &Rig,
+    camera: &Intrinsics,
+    beam: &Ray<Camera>,
     world_from_camera: &Pose<World, Camera>,
     wall: &Wall,
     media: &Media,
 ) -> Option<Faces> {
     let mut stack = wall.stack(media, InsideMedium::Liquid).ok()?;
     stack.interfaces.truncate(2);
-    let inside = stack.path(&world_from_camera.ray(&rig.beam)).ok()?;
+    let inside = stack.path(&world_from_camera.ray(beam)).ok()?;
     stack.interfaces.truncate(1);
     let eye = world_from_camera.point(Point::origin());
     let seen = |point: Point<World>, faces: usize| -> Option<Pixel> {
@@ -55,7 +56,7 @@ pub(super) fn faces(
         stack.interfaces.truncate(faces);
         let aim = aim_through(&stack, eye, point).ok()?;
         let ahead = world_from_camera.inverse().direction(aim);
-        rig.camera.project(Point::from_coords(ahead.vector()))
+        camera.project(Point::from_coords(ahead.vector()))
     };
     let outer = inside.vertices[1];
     let (at_outer, at_inner) = (seen(outer, 0)?, seen(inside.vertices[2], 1)?);
@@ -65,30 +66,27 @@ pub(super) fn faces(
     }
     Some(Faces {
         offset,
-        stretch: stretch(rig, world_from_camera, wall, at_outer, offset)?,
+        stretch: stretch(camera, beam, world_from_camera, wall, (at_outer, offset))?,
     })
 }
 
 /// How the circle in which the wall cuts the beam is seen: its image's half width along the offset over
 /// that across it.
 fn stretch(
-    rig: &Rig,
+    camera: &Intrinsics,
+    beam: &Ray<Camera>,
     world_from_camera: &Pose<World, Camera>,
     wall: &Wall,
-    centre: Pixel,
-    offset: Vector2<f64>,
+    (centre, offset): (Pixel, Vector2<f64>),
 ) -> Option<f64> {
     const BEAM: f64 = 0.1;
-    let (u, v) = rig.beam.direction.tangents();
+    let (u, v) = beam.direction.tangents();
     let along = offset.normalize();
     let across = Vector2::new(-along.y, along.x);
     let edge = |shift| {
-        let mut beam = rig.beam;
-        beam.origin = beam.origin + shift * BEAM;
-        let hit = wall.outer.hit(&world_from_camera.ray(&beam))?;
-        let pixel = rig
-            .camera
-            .project(world_from_camera.inverse().point(hit.point))?;
+        let beside = Ray::new(beam.origin + shift * BEAM, beam.direction);
+        let hit = wall.outer.hit(&world_from_camera.ray(&beside))?;
+        let pixel = camera.project(world_from_camera.inverse().point(hit.point))?;
         Some(Vector2::new(pixel.u - centre.u, pixel.v - centre.v))
     };
     let (a, b) = (edge(u)?, edge(v)?);
@@ -147,12 +145,14 @@ pub(super) fn estimate(spots: &[(&Spot, Faces)], thickness: f64) -> Option<Glows
     })
 }
 
+/// The usual q (1 - q), and one standard deviation of it.
+const PRIOR: f64 = 0.16;
+const PRIOR_SIGMA: f64 = 0.06;
+
 /// The share from the measured q (1 - q), together with what is known beforehand: the inner face's glow
 /// is the fainter one, about a fifth of the light. Where the two glows lie less than a spot's width
 /// apart, this is nearly all there is to know.
 fn with_prior(excess: f64, sigma: f64) -> (f64, f64) {
-    const PRIOR: f64 = 0.16;
-    const PRIOR_SIGMA: f64 = 0.06;
     let (measured, prior) = (1.0 / (sigma * sigma), 1.0 / (PRIOR_SIGMA * PRIOR_SIGMA));
     let excess = (excess * measured + PRIOR * prior) / (measured + prior);
     let sigma = 1.0 / (measured + prior).sqrt();
@@ -173,4 +173,189 @@ fn median_and_sigma(values: Vec<f64>) -> (f64, f64) {
     let middle = median(values.clone());
     let off: Vec<f64> = values.iter().map(|x| x - middle).collect();
     (middle, 1.25 * robust_scale(&off) / root)
+}
+
+/// What the profiles across a wall's line say of its two glows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LineGlow {
+    /// Share and thickness; none where the profiles tell nothing.
+    pub(super) glows: Option<Glows>,
+    /// Variance of one glow's profile, px^2.
+    pub(super) width: f64,
+}
+
+/// Estimates the share from the mean profiles of the wall's curves, each with the variance of the Gaussian
+/// that found its points and the offset of the inner face's line along the profile, px.
+///
+/// Two Gaussians of one width, `(1 - q) g(x) + q g(x - d)`, are held against every profile for each share q;
+/// heights and widths follow the profile. What all profiles say together of q, with what is known
+/// beforehand, is a distribution, of which mean and standard deviation are taken: where the glows lie
+/// nearer together than a line is wide, shares about 1/5 look nearly alike, and that must show.
+pub(super) fn of_profiles(profiles: &[(&Curve, f64, f64)], thickness: f64) -> LineGlow {
+    const MOST_PROFILES: usize = 40;
+    const SHARES: usize = 26;
+    const LN_3: f64 = 1.098_612_288_668_109_8;
+    /// Ratios of the glows' distance to that of the given thickness, from 1/3 to 3.
+    const RATIOS: usize = 41;
+    let stride = profiles.len().div_ceil(MOST_PROFILES).max(1);
+    let profiles: Vec<Profile> = profiles
+        .iter()
+        .step_by(stride)
+        .map(|(curve, kernel, offset)| Profile::new(curve, *kernel, *offset))
+        .collect();
+    if profiles.is_empty() {
+        return LineGlow::default();
+    }
+    let excess = |share: f64| share * (1.0 - share);
+    let beforehand = |share: f64| {
+        let z = (excess(share) - PRIOR) / PRIOR_SIGMA;
+        0.5 * z * z
+    };
+    let (share, share_sigma) = mean_of((0..SHARES).map(|i| {
+        let share = 0.5 * i as f64 / (SHARES - 1) as f64;
+        (share, misfit(&profiles, share, 1.0) + beforehand(share))
+    }));
+    let (ratio, ratio_sigma) = mean_of((0..RATIOS).map(|i| {
+        let ratio = libm::exp((2.0 * i as f64 / (RATIOS - 1) as f64 - 1.0) * LN_3);
+        (ratio, misfit(&profiles, share, ratio))
+    }));
+    let widths = profiles.iter().map(|profile| profile.fit(share, 1.0).width);
+    LineGlow {
+        width: median(widths.collect()),
+        glows: Some(Glows {
+            share,
+            share_sigma,
+            thickness: (ratio_sigma < 0.15 * ratio).then_some(thickness * ratio),
+        }),
+    }
+}
+
+/// Mean and standard deviation of a value whose negative log-likelihood is known at even steps.
+fn mean_of(values: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    let values: Vec<(f64, f64)> = values.collect();
+    let least = values
+        .iter()
+        .map(|(_, loss)| *loss)
+        .fold(f64::INFINITY, f64::min);
+    let (mut total, mut first, mut second) = (0.0, 0.0, 0.0);
+    for (value, loss) in values {
+        let weight = libm::exp(least - loss);
+        total += weight;
+        first += weight * value;
+        second += weight * value * value;
+    }
+    let mean = first / total;
+    (mean, (second / total - mean * mean).max(0.0).sqrt())
+}
+
+/// The negative log-likelihood of a share and a distance of the glows, up to a constant.
+fn misfit(profiles: &[Profile], share: f64, ratio: f64) -> f64 {
+    profiles
+        .iter()
+        .map(|profile| 0.5 * profile.fit(share, ratio).squares / profile.noise)
+        .sum()
+}
+
+/// A mean profile, the outer face's side first.
+struct Profile {
+    /// Places, px from the ridge, and light.
+    samples: Vec<(f64, f64)>,
+    kernel: f64,
+    /// From the outer face's line to the inner one's, px.
+    offset: f64,
+    /// Variance of a sample.
+    noise: f64,
+}
+
+/// How well two glows make a profile.
+#[derive(Clone, Copy)]
+struct ProfileFit {
+    width: f64,
+    /// Sum of the squared residuals.
+    squares: f64,
+}
+
+impl Profile {
+    fn new(curve: &Curve, kernel: f64, offset: f64) -> Self {
+        /// No real profile is a sum of Gaussians to better than this part of its height.
+        const MODEL: f64 = 0.005;
+        let side = offset.signum();
+        let reach = 3.0 * kernel.sqrt();
+        let samples = curve.profile.iter().enumerate();
+        let samples: Vec<(f64, f64)> = samples
+            .map(|(i, light)| (side * curve.place(i), *light))
+            .filter(|(x, _)| (-reach..=reach + offset.abs()).contains(x))
+            .collect();
+        let height = samples.iter().map(|(_, light)| *light).fold(0.0, f64::max);
+        let mut profile = Self {
+            samples,
+            kernel,
+            offset: offset.abs(),
+            noise: 1.0,
+        };
+        let typical = profile.fit(0.2, 1.0).squares / profile.samples.len().max(1) as f64;
+        profile.noise = typical
+            .max(MODEL * height * MODEL * height)
+            .max(f64::MIN_POSITIVE);
+        profile
+    }
+
+    /// The best width for a share and a distance, by golden sections.
+    fn fit(&self, share: f64, ratio: f64) -> ProfileFit {
+        const STEPS: usize = 18;
+        const GOLDEN: f64 = 0.618_033_988_749_895;
+        let distance = ratio * self.offset;
+        let at = |width: f64| self.squares(share, distance, width);
+        let (mut low, mut high) = (0.3 * self.kernel, 1.6 * self.kernel);
+        for _ in 0..STEPS {
+            let step = GOLDEN * (high - low);
+            if at(high - step) < at(low + step) {
+                high = low + step;
+            } else {
+                low = high - step;
+            }
+        }
+        let width = 0.5 * (low + high);
+        ProfileFit {
+            width,
+            squares: at(width),
+        }
+    }
+
+    /// What two glows of the best height leave. Their place follows from the ridge, which is at 0.
+    fn squares(&self, share: f64, distance: f64, width: f64) -> f64 {
+        let place = -ridge_shift(share, distance, width + self.kernel);
+        let model = |x: f64| {
+            let (near, far) = (x - place, x - place - distance);
+            (1.0 - share) * libm::exp(-0.5 * near * near / width)
+                + share * libm::exp(-0.5 * far * far / width)
+        };
+        let (mut light, mut own, mut both) = (0.0, 0.0, 0.0);
+        for (x, seen) in &self.samples {
+            let model = model(*x);
+            light += seen * seen;
+            own += model * model;
+            both += model * seen;
+        }
+        light - both * both / own
+    }
+}
+
+/// How far the ridge of two merged lines lies from the outer one's middle, along the profile, px.
+///
+/// `variance` is that of one line smoothed with the Gaussian that found the ridge. The ridge is where the
+/// sum `(1 - q) g(x) + q g(x - d)` is highest: x is the mean of 0 and d, weighted with either's light there.
+pub(super) fn ridge_shift(share: f64, offset: f64, variance: f64) -> f64 {
+    const STEPS: usize = 60;
+    let mut x = 0.0;
+    for _ in 0..STEPS {
+        let ratio = libm::exp((x * offset - 0.5 * offset * offset) / variance);
+        let next = offset * share * ratio / (1.0 - share + share * ratio);
+        let step: f64 = next - x;
+        x = next;
+        if step.abs() < 1e-9 {
+            break;
+        }
+    }
+    x
 }

@@ -1,8 +1,8 @@
 //! Which of a view's spots may lie on the wall.
 
 use crate::camera::Pixel;
-use crate::geometry::{Camera, Point};
-use crate::rig::{OnBeam, Rig};
+use crate::geometry::{Camera, Direction, Point};
+use crate::rig::{LitPoint, Rig};
 use crate::spots::Spot;
 
 /// A spot near the epipolar line, taken for a point of the beam in air.
@@ -16,8 +16,10 @@ pub(super) struct Candidate {
     pub(super) along: f64,
     /// One standard deviation of that from the centroid's noise, mm.
     pub(super) sigma: f64,
-    /// How far off the epipolar line, px, with a sign.
-    pub(super) off_line: f64,
+    /// Which way such an error moves the point.
+    pub(super) way: Direction<Camera>,
+    /// How far off the epipolar line, px, with a sign; a sheet has none.
+    pub(super) off_line: Option<f64>,
 }
 
 /// The spots within `tolerance` (px) of the epipolar line, in their order along the beam: the first of
@@ -28,27 +30,27 @@ pub(super) fn along_epipolar_line(rig: &Rig, spots: &[Spot], tolerance: f64) -> 
         .iter()
         .enumerate()
         .filter_map(near_line)
-        .filter(|c| c.off_line.abs() <= tolerance)
+        .filter(|c| c.off_line.is_some_and(|off| off.abs() <= tolerance))
         .collect();
     candidates.sort_by(|a, b| a.along.total_cmp(&b.along));
     candidates
 }
 
 fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
-    let here = on_beam(rig, spot.pixel())?;
+    let here = lit_point(rig, spot.pixel())?;
     Some(Candidate {
         spot: index,
         point: here.point,
         along: here.along,
         sigma: sigma_along(rig, spot, 0.0)?,
-        off_line: here.off_line * rig.camera.mean_focal(),
+        way: rig.laser.ray_to(here.point)?.direction,
+        off_line: here.off_line.map(|off| off * rig.camera.mean_focal()),
     })
 }
 
 /// Triangulates a pixel in air.
-pub(super) fn on_beam(rig: &Rig, pixel: Pixel) -> Option<OnBeam> {
-    rig.epipolar_line()
-        .triangulate(rig.camera.slope(pixel).ok()?)
+pub(super) fn lit_point(rig: &Rig, pixel: Pixel) -> Option<LitPoint> {
+    rig.triangulate(rig.camera.slope(pixel).ok()?)
 }
 
 /// First-order propagation of the centroid's covariance, with the grain of laser light, to the place
@@ -56,7 +58,7 @@ pub(super) fn on_beam(rig: &Rig, pixel: Pixel) -> Option<OnBeam> {
 pub(super) fn sigma_along(rig: &Rig, spot: &Spot, grain: f64) -> Option<f64> {
     const H: f64 = 0.01;
     let Pixel { u, v } = spot.pixel();
-    let along = |u, v| on_beam(rig, Pixel::new(u, v)).map(|p| p.along);
+    let along = |u, v| lit_point(rig, Pixel::new(u, v)).map(|p| p.along);
     let slope = nalgebra::Vector2::new(
         (along(u + H, v)? - along(u - H, v)?) / (2.0 * H),
         (along(u, v + H)? - along(u, v - H)?) / (2.0 * H),

@@ -88,8 +88,14 @@ impl SurfaceFit {
     /// The step of the parameters that follows points which move across the surface by `shifts` (mm):
     /// the weighted fit, linearised.
     pub(super) fn response(&self, shifts: &DVector<f64>) -> Option<DVector<f64>> {
-        let (_, right) = normal_equations(&self.jacobian, &self.weights, shifts);
-        let step = -(&self.inverse_information * right);
+        let weighted = DVector::from_iterator(
+            shifts.len(),
+            shifts
+                .iter()
+                .zip(&self.weights)
+                .map(|(shift, weight)| shift * weight),
+        );
+        let step = -(&self.inverse_information * self.jacobian.tr_mul(&weighted));
         step.iter().all(|x| x.is_finite()).then_some(step)
     }
 }

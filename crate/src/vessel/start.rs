@@ -6,8 +6,8 @@
 
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
-use crate::geometry::{Direction, Plane, Point, WeightedPoint, World};
-use crate::optics::{Cylinder, Sphere, Surface};
+use crate::geometry::{Direction, Plane, Point, World};
+use crate::optics::{Base, Cylinder, Sphere, Surface};
 use crate::robust::{Choice, robust_scale};
 
 /// Points looked at by the search: enough for a median, few enough for thousands of trials.
@@ -70,12 +70,25 @@ pub(super) fn sphere(points: &[Point<World>], front: Point<World>) -> Option<Sur
         .map(|(_, s)| s)
 }
 
-/// A sheet over a plane across the rig's line of sight: every point of the wall that the rig saw has one
-/// height over it.
-pub(super) fn freeform(points: &[WeightedPoint<World>], front: Point<World>) -> Option<Surface> {
-    let middle = mean(&points.iter().map(|p| p.point).collect::<Vec<_>>());
+/// A plane through the middle of the points, across the rig's line of sight.
+pub(super) fn across_view(points: &[Point<World>], front: Point<World>) -> Option<Plane<World>> {
+    let middle = mean(points);
     let towards_rig = Direction::new(front - middle).ok()?;
-    super::freeform::fit(points, Plane::new(middle, towards_rig)).map(|fit| fit.surface)
+    Some(Plane::new(middle, towards_rig))
+}
+
+/// What a free form can stand on, with coordinates that start in the middle of the points.
+pub(super) fn base(simple: &Surface, points: &[Point<World>]) -> Option<Base> {
+    let middle = mean(points);
+    match simple {
+        Surface::Plane(plane) => {
+            let foot = middle + plane.normal * -plane.signed_distance(middle);
+            Some(Base::on_plane(&Plane::new(foot, plane.normal)))
+        }
+        Surface::Cylinder(cylinder) => Base::on_cylinder(cylinder, middle),
+        Surface::Sphere(sphere) => Base::on_sphere(sphere, middle),
+        Surface::Freeform(freeform) => Some(freeform.sheet().base),
+    }
 }
 
 fn spread(points: &[Point<World>], surface: &Surface) -> f64 {

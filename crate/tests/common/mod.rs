@@ -12,6 +12,10 @@
 #[cfg(feature = "simulate")]
 pub mod archives;
 pub mod pictures;
+#[cfg(feature = "simulate")]
+pub mod synthetic;
+#[cfg(feature = "simulate")]
+pub mod walls;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -1,6 +1,6 @@
 //! From the pictures of a view to something a screen can show.
 
-use js_sys::Uint8ClampedArray;
+use js_sys::{Int32Array, Uint8ClampedArray, Uint16Array};
 use snellius::scan::{Picture, PicturePair};
 use snellius::spots::Difference;
 use wasm_bindgen::JsValue;
@@ -23,6 +23,11 @@ pub(super) fn develop(pictures: &PicturePair) -> PictureSet {
             .as_ref()
             .map_or(JsValue::NULL, |off| grey(off, white).into()),
         difference: signed(&difference, limit),
+        on_grey: Uint16Array::from(pictures.on.grey.as_slice()),
+        off_grey: pictures.off.as_ref().map_or(JsValue::NULL, |off| {
+            Uint16Array::from(off.grey.as_slice()).into()
+        }),
+        difference_grey: Int32Array::from(difference.as_slice()),
         difference_limit: limit,
     }
 }

@@ -1,88 +1,62 @@
-//! A free-form wall as a mesh: places where rays across its reference plane meet it.
+//! A free-form wall as a mesh over its measured patch.
 
 use serde::{Deserialize, Serialize};
-use snellius::geometry::Ray;
-use snellius::optics::{Freeform, Surface};
+use snellius::optics::{Freeform, Sheet};
 
 use super::report::Place;
 
 /// A place of the outer face, and the one behind it on the inner face.
 pub(crate) type Through = [Place; 2];
 
-/// The measured patch of a wall.
+/// The measured patch of a wall, as rings about its middle: the last is the patch's edge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mesh {
-    /// Rows of places; none where nothing was measured.
-    pub(crate) rows: Vec<Vec<Option<Through>>>,
-    /// Once round the patch.
-    pub(crate) rim: Vec<Through>,
+    /// Rings of equally many places, each closed: its last place is its first.
+    pub(crate) rings: Vec<Vec<Through>>,
 }
 
 impl Mesh {
+    /// The patch is convex, so every place between its middle and its edge belongs to it.
     pub(super) fn of(freeform: &Freeform, thickness: f64) -> Self {
-        const CELLS: usize = 32;
-        let probe = Probe::new(freeform, thickness);
-        let steps = |axis: usize| {
-            let values = freeform.sheet().patch.iter().map(|corner| corner[axis]);
-            let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| {
-                (low.min(value), high.max(value))
-            });
-            (0..=CELLS).map(move |i| low + (high - low) * i as f64 / CELLS as f64)
+        const RINGS: usize = 24;
+        let sheet = freeform.sheet();
+        let edge = edge(sheet);
+        let count = edge.len().max(1) as f64;
+        let middle = [0, 1].map(|axis| edge.iter().map(|p| p[axis]).sum::<f64>() / count);
+        let ring = |ring: usize| {
+            let way = ring as f64 / RINGS as f64;
+            let place = |p: &[f64; 2]| {
+                through(
+                    sheet,
+                    thickness,
+                    [0, 1].map(|i| middle[i] + (p[i] - middle[i]) * way),
+                )
+            };
+            edge.iter().map(place).collect()
         };
         Self {
-            rows: steps(1)
-                .map(|y| steps(0).map(|x| probe.at(x, y)).collect())
-                .collect(),
-            rim: rim(freeform, &probe),
+            rings: (0..=RINGS).map(ring).collect(),
         }
     }
 }
 
-/// The patch's edges, a hair within it, so that rays still meet the wall there.
-fn rim(freeform: &Freeform, probe: &Probe) -> Vec<Through> {
-    const WITHIN: f64 = 0.999;
-    const PIECES: usize = 12;
-    let corners = &freeform.sheet().patch;
-    let count = corners.len() as f64;
-    let mean = |axis: usize| corners.iter().map(|c| c[axis]).sum::<f64>() / count;
-    let centre = [mean(0), mean(1)];
-    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
-    let places = edges.flat_map(|(from, to)| {
-        (0..PIECES).map(move |i| from + (to - from) * (i as f64 / PIECES as f64))
+/// Once round the patch, in steps of about a hundredth of the way, and back at the start.
+fn edge(sheet: &Sheet) -> Vec<[f64; 2]> {
+    const STEPS: f64 = 100.0;
+    let corners = &sheet.patch;
+    let next = corners.iter().cycle().skip(1);
+    let sides = || corners.iter().zip(next.clone());
+    let length: f64 = sides().map(|(from, to)| (to - from).norm()).sum();
+    let places = sides().flat_map(|(from, to)| {
+        let pieces = ((to - from).norm() / length * STEPS).ceil().max(1.0);
+        (0..pieces as usize).map(move |i| (from + (to - from) * (i as f64 / pieces)).into())
     });
-    let pulled =
-        places.map(|p| [0, 1].map(|axis| centre[axis] + (p[axis] - centre[axis]) * WITHIN));
-    let mut rim: Vec<Through> = pulled.filter_map(|[x, y]| probe.at(x, y)).collect();
-    rim.extend(rim.first().copied());
-    rim
+    let mut edge: Vec<[f64; 2]> = places.collect();
+    edge.extend(edge.first().copied());
+    edge
 }
 
-/// Rays across the reference plane.
-struct Probe<'a> {
-    freeform: &'a Freeform,
-    face: Surface,
-    thickness: f64,
-    /// In front of every height, mm.
-    reach: f64,
-}
-
-impl<'a> Probe<'a> {
-    fn new(freeform: &'a Freeform, thickness: f64) -> Self {
-        let heights = freeform.sheet().heights.iter();
-        Self {
-            freeform,
-            face: Surface::Freeform(freeform.clone()),
-            thickness,
-            reach: heights.fold(0.0, |most, height| height.abs().max(most)) + 1.0,
-        }
-    }
-
-    fn at(&self, x: f64, y: f64) -> Option<Through> {
-        let reference = &self.freeform.sheet().reference;
-        let (u, v) = reference.normal.tangents();
-        let start = reference.point + (u * x + v * y + reference.normal * self.reach);
-        let hit = self.face.hit(&Ray::new(start, -reference.normal))?;
-        let behind = hit.point + hit.normal * -self.thickness;
-        Some([hit.point.to_array(), behind.to_array()])
-    }
+fn through(sheet: &Sheet, thickness: f64, place: [f64; 2]) -> Through {
+    let (point, normal) = sheet.at(place.into());
+    [point, point + normal * -thickness].map(|p| p.to_array())
 }

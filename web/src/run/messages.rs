@@ -3,7 +3,7 @@
 //! Every question carries a number and is answered once under the same number, so an answer that comes
 //! late, from a run that was given up, finds nobody waiting.
 
-use js_sys::{Array, Uint8ClampedArray};
+use js_sys::{Array, Int32Array, Uint8ClampedArray, Uint16Array};
 use serde::{Deserialize, Serialize};
 use snellius::pipeline::Settings;
 use snellius::spots::Spots;
@@ -83,6 +83,15 @@ pub(crate) enum FileKind {
     Table,
 }
 
+/// The grey values of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grey {
+    pub(crate) on: u16,
+    /// Missing if no picture was taken with the laser off.
+    pub(crate) off: Option<u16>,
+    pub(crate) difference: i32,
+}
+
 /// The pictures of a view, ready to be shown: RGBA, row by row.
 #[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct PictureSet {
@@ -95,17 +104,51 @@ pub(crate) struct PictureSet {
     pub(crate) off: JsValue,
     #[serde(with = "serde_wasm_bindgen::preserve")]
     pub(crate) difference: Uint8ClampedArray,
+    /// The grey values as the camera gave them.
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) on_grey: Uint16Array,
+    /// Likewise; missing if no picture was taken with the laser off.
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) off_grey: JsValue,
+    /// On less off, or less the background where there is no off.
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) difference_grey: Int32Array,
     /// The difference at which the colours end, grey values.
     pub(crate) difference_limit: f64,
 }
 
 impl PictureSet {
     fn buffers(&self) -> Array {
-        let buffers = Array::of2(&self.on.buffer(), &self.difference.buffer());
-        if let Some(off) = self.off() {
+        let buffers = Array::of4(
+            &self.on.buffer(),
+            &self.difference.buffer(),
+            &self.on_grey.buffer(),
+            &self.difference_grey.buffer(),
+        );
+        if let (Some(off), Some(grey)) = (self.off(), self.off_grey()) {
             buffers.push(&off.buffer());
+            buffers.push(&grey.buffer());
         }
         buffers
+    }
+
+    /// The grey values of a pixel of the picture.
+    pub(crate) fn grey_at(&self, [u, v]: [usize; 2]) -> Option<Grey> {
+        let (width, height) = (self.width as usize, self.height as usize);
+        if u >= width || v >= height {
+            return None;
+        }
+        let index = (v * width + u) as u32;
+        Some(Grey {
+            on: self.on_grey.get_index(index),
+            off: self.off_grey().map(|off| off.get_index(index)),
+            difference: self.difference_grey.get_index(index),
+        })
+    }
+
+    fn off_grey(&self) -> Option<Uint16Array> {
+        use wasm_bindgen::JsCast;
+        self.off_grey.clone().dyn_into().ok()
     }
 
     /// The picture with the laser off, if there is one.

@@ -3,19 +3,29 @@
 mod blob_reader;
 mod develop;
 mod hand;
-mod job;
+mod lab;
 mod mesh;
 mod messages;
+mod packed;
 mod problem;
 mod report;
 pub(crate) mod worker;
 
-pub(crate) use hand::Hand;
-pub(crate) use job::{Progress, Run, run};
+pub(crate) use lab::{Lab, Progress};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{FileKind, PictureSet};
 pub(crate) use problem::{Problem, ProblemKind};
-pub(crate) use report::{Face, Facts, Outcome, Place, StationFacts, ViewOutcome, Wall};
+pub(crate) use report::{
+    Face, Facts, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
+};
+
+/// Waits so many milliseconds.
+pub(crate) async fn sleep(milliseconds: i32) {
+    let promise = js_sys::Promise::new(&mut |done, _| {
+        let _ = window().set_timeout_with_callback_and_timeout_and_arguments_0(&done, milliseconds);
+    });
+    let _ = wasm_bindgen_futures::JsFuture::from(promise).await;
+}
 
 fn window() -> web_sys::Window {
     web_sys::window().expect("a run is started by the page")

@@ -1,7 +1,7 @@
 //! What went wrong, said so that a person can act on it: the cause, and the next step.
 
 use serde::{Deserialize, Serialize};
-use snellius::pipeline::PipelineError;
+use snellius::pipeline::{PipelineError, Stage};
 use snellius::scan::ScanError;
 
 /// A cause and a next step.
@@ -9,6 +9,8 @@ use snellius::scan::ScanError;
 pub(crate) struct Problem {
     /// What the matter is, as far as the page treats it differently.
     pub(crate) kind: ProblemKind,
+    /// The stage that could not be done, if the spots were found.
+    pub(crate) stage: Option<Stage>,
     /// The cause, with its place.
     pub(crate) cause: String,
     /// What to do next.
@@ -33,8 +35,22 @@ impl Problem {
     pub(crate) fn input(cause: impl Into<String>, next_step: &str) -> Self {
         Self {
             kind: ProblemKind::Input,
+            stage: None,
             cause: cause.into(),
             next_step: next_step.to_owned(),
+        }
+    }
+
+    /// The scan does not tell the liquid's index.
+    pub(crate) fn index_wanted(reason: Option<&str>) -> Self {
+        Self {
+            kind: ProblemKind::IndexWanted,
+            stage: Some(Stage::Index),
+            cause: format!(
+                "The scan does not determine the liquid's refractive index: {}.",
+                reason.unwrap_or("nothing in it depends on the index")
+            ),
+            next_step: "Give the liquid's refractive index below.".to_owned(),
         }
     }
 
@@ -42,6 +58,7 @@ impl Problem {
     pub(crate) fn own(cause: impl Into<String>) -> Self {
         Self {
             kind: ProblemKind::Own,
+            stage: None,
             cause: cause.into(),
             next_step:
                 "This is a fault of the program, not of your scan. Load the page again; if it \
@@ -78,23 +95,30 @@ impl From<ScanError> for Problem {
 impl From<PipelineError> for Problem {
     fn from(error: PipelineError) -> Self {
         let cause = capitalised(&error.to_string());
+        let stage = Some(error.stage());
         let (kind, next_step) = match error {
             PipelineError::Scan(error) => return error.into(),
-            PipelineError::IndexUnknown => (
+            PipelineError::Index(_) => (
                 ProblemKind::IndexWanted,
-                "Give the liquid's refractive index below.",
+                "Correct this in scan.json, or give the liquid's refractive index below.",
             ),
             PipelineError::IndexImpossible(_) => (
                 ProblemKind::IndexImpossible,
                 "Give a number between 1 and 4; water has 1.333.",
             ),
-            PipelineError::Vessel(_) | PipelineError::NoSpots { .. } => (
+            PipelineError::Vessel(_) => (
                 ProblemKind::Input,
-                "Check the scan's pictures and calibration, and choose the corrected archive.",
+                "Try another shape below, or check the scan's pictures and calibration, and choose the \
+                 corrected archive.",
+            ),
+            PipelineError::NoSpots { .. } => (
+                ProblemKind::Input,
+                "Try a lower peak below, or check the scan's pictures, and choose the corrected archive.",
             ),
         };
         Self {
             kind,
+            stage,
             cause,
             next_step: next_step.to_owned(),
         }

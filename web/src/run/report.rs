@@ -1,14 +1,17 @@
 //! What a worker tells the page of a scan: numbers to show, none that the page would have to compute.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 use snellius::camera::{Pixel, Slope};
-use snellius::export::ViewResult;
+use snellius::export::{LineResult, ShapeChoiceResult, SpotResult, SpotRole, Status, ViewResult};
 use snellius::geometry::{Camera, Direction, Point, Pose, World};
 use snellius::optics::Surface;
-use snellius::pipeline::{LightPaths, Reconstruction, Summary};
-use snellius::scan::{Scan, sweeps};
+use snellius::pipeline::{LightPaths, Reconstruction, Summary, Warning};
+use snellius::scan::{Scan, VesselShape, sweeps};
 
 use super::mesh::Mesh;
+use super::packed::{self, Packed};
 
 /// A place in the world, mm.
 pub(crate) type Place = [f64; 3];
@@ -20,9 +23,11 @@ pub(crate) struct Facts {
     pub(crate) name: String,
     /// The liquid's index, if the manifest says it.
     pub(crate) given_index: Option<f64>,
+    /// The wall's shape, as the manifest says.
+    pub(crate) declared_shape: VesselShape,
     /// Picture width and height, px.
     pub(crate) picture: [u32; 2],
-    /// The beam's image in air, px.
+    /// The beam's image in air, px; empty for a line laser.
     pub(crate) epipolar_line: Vec<[f64; 2]>,
     /// How many sweeps there are.
     pub(crate) sweeps: usize,
@@ -60,8 +65,14 @@ pub(crate) struct Outcome {
     pub(crate) summary: Summary,
     /// The views, in the manifest's order.
     pub(crate) views: Vec<ViewOutcome>,
+    /// The object's points, view after view.
+    #[serde(with = "packed")]
+    pub(crate) object: Vec<ObjectPoint>,
+    /// The wall's points, view after view.
+    #[serde(with = "packed")]
+    pub(crate) vessel: Vec<VesselPoint>,
     /// What to know before trusting it.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Vec<Warning>,
 }
 
 /// The vessel's wall.
@@ -69,12 +80,49 @@ pub(crate) struct Outcome {
 pub(crate) struct Wall {
     /// The outer face.
     pub(crate) face: Face,
-    /// Millimetres.
+    /// What `auto` decided between.
+    pub(crate) choice: Option<ShapeChoiceResult>,
+    /// Whether the scan says where it is.
+    pub(crate) known: bool,
+    /// As the scan gives it, mm.
     pub(crate) thickness: f64,
+    /// What the wall's two glows suggest, mm.
+    pub(crate) thickness_of_glows: Option<f64>,
     /// Root mean square distance of the vessel points from it, mm.
     pub(crate) rms: f64,
     /// How many vessel points carry it.
     pub(crate) points: usize,
+}
+
+/// A place as a screen shows it, mm.
+pub(crate) type Shown = [f32; 3];
+
+/// A point of the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ObjectPoint {
+    /// The view that shows it.
+    pub(crate) view: usize,
+    /// Where it is.
+    pub(crate) place: Shown,
+    /// Where it would lie if refraction were ignored.
+    pub(crate) unrefracted: Shown,
+    /// One standard deviation along each axis, mm.
+    pub(crate) sigma: Shown,
+    /// How far its two light paths pass each other, mm.
+    pub(crate) ray_distance: f32,
+    /// How far behind the wall's inner face it lies, mm.
+    pub(crate) depth: f32,
+}
+
+/// A point of the wall's outer face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct VesselPoint {
+    /// The view that shows it.
+    pub(crate) view: usize,
+    /// Where it is.
+    pub(crate) place: Shown,
+    /// How far in front of the fitted wall, mm.
+    pub(crate) residual: f32,
 }
 
 /// A wall's outer face.
@@ -97,16 +145,33 @@ pub(crate) enum Face {
 /// What a view gave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ViewOutcome {
-    /// As in the result file.
-    pub(crate) result: ViewResult,
-    /// Where the object's point would lie if refraction were ignored.
-    pub(crate) unrefracted: Option<Place>,
-    /// How far behind the wall's inner face the object's point lies, mm.
-    pub(crate) depth: Option<f64>,
-    /// The laser's light, bent at every face.
+    /// What became of it.
+    pub(crate) status: Status,
+    /// Why it has no object point.
+    pub(crate) reason: Option<String>,
+    /// Its spots, brightest first.
+    #[serde(with = "packed")]
+    pub(crate) spots: Vec<Spot>,
+    /// Why spots were refused: the spot, and the reason.
+    pub(crate) reasons: Vec<(usize, String)>,
+    /// Which of the object's points are its own.
+    pub(crate) points: Range<usize>,
+    /// The laser's light to the middle one of them, bent at every face.
     pub(crate) beam: Vec<Place>,
-    /// The line of sight, bent at every face.
+    /// The line of sight to it, bent at every face.
     pub(crate) sight: Vec<Place>,
+}
+
+/// Of a line's thousands of points nobody reads every reason.
+const MOST_REASONS: usize = 64;
+
+/// A spot in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spot {
+    /// Its centroid, px.
+    pub(crate) pixel: [f32; 2],
+    /// What it is.
+    pub(crate) role: SpotRole,
 }
 
 impl Facts {
@@ -117,6 +182,7 @@ impl Facts {
         Self {
             name: manifest.name.clone(),
             given_index: manifest.media.inside,
+            declared_shape: manifest.vessel.shape,
             picture: [manifest.camera.width, manifest.camera.height],
             epipolar_line: epipolar_line(scan),
             sweeps: sweep_of.iter().max().map_or(0, |last| last + 1),
@@ -130,8 +196,10 @@ impl Facts {
 }
 
 fn epipolar_line(scan: &Scan) -> Vec<[f64; 2]> {
-    let line = scan.rig.epipolar_line().polyline(&scan.rig.camera);
-    line.iter().map(|pixel| [pixel.u, pixel.v]).collect()
+    let line = scan.rig.epipolar_line().into_iter();
+    line.flat_map(|line| line.polyline(&scan.rig.camera))
+        .map(|pixel| [pixel.u, pixel.v])
+        .collect()
 }
 
 fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize) -> StationFacts {
@@ -157,7 +225,7 @@ fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize
             corner(right, bottom),
             corner(0.0, bottom),
         ],
-        laser: pose.point(scan.rig.beam.origin).to_array(),
+        laser: pose.point(scan.rig.laser.origin()).to_array(),
         down: axis(pose, [0.0, 1.0, 0.0]),
         ahead: axis(pose, [0.0, 0.0, 1.0]),
     }
@@ -171,21 +239,136 @@ fn axis(pose: &Pose<World, Camera>, axis: Place) -> Place {
 impl Outcome {
     pub(crate) fn of(reconstruction: &Reconstruction) -> Self {
         let result = reconstruction.result();
-        let wall = Wall {
-            face: face(&reconstruction.vessel.wall),
-            thickness: result.vessel.wall_thickness,
-            rms: result.vessel.rms,
-            points: result.vessel.points,
-        };
-        let views = result.views.into_iter().enumerate();
+        let mut object = Vec::new();
+        let views = result.views.into_iter().enumerate().map(|(view, result)| {
+            let first = object.len();
+            object.extend(object_points(reconstruction, view, &result));
+            view_outcome(reconstruction, view, result, first..object.len())
+        });
         Self {
             index: reconstruction.media.liquid,
-            wall,
+            views: views.collect(),
+            object,
+            vessel: vessel_points(reconstruction),
+            wall: Wall {
+                face: face(&reconstruction.vessel.wall),
+                choice: result.vessel.choice,
+                known: reconstruction.vessel.known,
+                thickness: result.vessel.wall_thickness,
+                thickness_of_glows: result.vessel.glow.and_then(|glow| glow.thickness),
+                rms: result.vessel.rms,
+                points: result.vessel.points,
+            },
             summary: reconstruction.summary(),
-            views: views
-                .map(|(view, result)| view_outcome(reconstruction, view, result))
-                .collect(),
-            warnings: result.warnings,
+            warnings: reconstruction.warnings(),
+        }
+    }
+
+    /// The object's points of a view.
+    pub(crate) fn points_of(&self, view: usize) -> &[ObjectPoint] {
+        let points = self.views.get(view).map(|view| view.points.clone());
+        points.map_or(&[], |points| &self.object[points])
+    }
+
+    /// The point that stands for a view: the middle one of a line.
+    pub(crate) fn point_of(&self, view: usize) -> Option<&ObjectPoint> {
+        let points = self.points_of(view);
+        points.get(points.len() / 2)
+    }
+}
+
+impl ObjectPoint {
+    /// The length of the three standard deviations together, mm.
+    pub(crate) fn sigma(&self) -> f32 {
+        self.sigma.iter().map(|s| s * s).sum::<f32>().sqrt()
+    }
+}
+
+impl Face {
+    /// Its shape.
+    pub(crate) const fn shape(&self) -> VesselShape {
+        match self {
+            Self::Plane { .. } => VesselShape::Plane,
+            Self::Cylinder { .. } => VesselShape::Cylinder,
+            Self::Sphere { .. } => VesselShape::Sphere,
+            Self::Freeform(_) => VesselShape::Freeform,
+        }
+    }
+}
+
+impl Packed for ObjectPoint {
+    const COUNT: usize = 12;
+
+    fn pack(&self, numbers: &mut Vec<f32>) {
+        numbers.push(self.view as f32);
+        numbers.extend(
+            self.place
+                .iter()
+                .chain(&self.unrefracted)
+                .chain(&self.sigma),
+        );
+        numbers.extend([self.ray_distance, self.depth]);
+    }
+
+    fn unpack(n: &[f32]) -> Self {
+        Self {
+            view: n[0] as usize,
+            place: [n[1], n[2], n[3]],
+            unrefracted: [n[4], n[5], n[6]],
+            sigma: [n[7], n[8], n[9]],
+            ray_distance: n[10],
+            depth: n[11],
+        }
+    }
+}
+
+impl Spot {
+    fn of(spot: &SpotResult) -> Self {
+        Self {
+            pixel: spot.pixel.map(|p| p as f32),
+            role: spot.role,
+        }
+    }
+}
+
+impl Packed for Spot {
+    const COUNT: usize = 3;
+
+    fn pack(&self, numbers: &mut Vec<f32>) {
+        let role = match self.role {
+            SpotRole::Vessel => 0.0,
+            SpotRole::Object => 1.0,
+            SpotRole::Stray => 2.0,
+        };
+        numbers.extend([self.pixel[0], self.pixel[1], role]);
+    }
+
+    fn unpack(n: &[f32]) -> Self {
+        Self {
+            pixel: [n[0], n[1]],
+            role: match n[2] {
+                0.0 => SpotRole::Vessel,
+                1.0 => SpotRole::Object,
+                _ => SpotRole::Stray,
+            },
+        }
+    }
+}
+
+impl Packed for VesselPoint {
+    const COUNT: usize = 5;
+
+    fn pack(&self, numbers: &mut Vec<f32>) {
+        numbers.push(self.view as f32);
+        numbers.extend(self.place);
+        numbers.push(self.residual);
+    }
+
+    fn unpack(n: &[f32]) -> Self {
+        Self {
+            view: n[0] as usize,
+            place: [n[1], n[2], n[3]],
+            residual: n[4],
         }
     }
 }
@@ -209,22 +392,89 @@ fn face(wall: &snellius::vessel::Wall) -> Face {
     }
 }
 
-fn view_outcome(reconstruction: &Reconstruction, view: usize, result: ViewResult) -> ViewOutcome {
+fn object_points<'a>(
+    reconstruction: &'a Reconstruction,
+    view: usize,
+    result: &'a ViewResult,
+) -> impl Iterator<Item = ObjectPoint> + 'a {
     let wall = &reconstruction.vessel.wall;
-    let depth = |object: Place| -wall.outer.signed_distance(object.into()) - wall.thickness;
+    let places = result.object.iter().zip(&reconstruction.unrefracted[view]);
+    let sizes = result.object_sigma.iter().zip(result.ray_distance.iter());
+    let points = places.zip(sizes);
+    points.map(
+        move |((place, unrefracted), (sigma, ray_distance))| ObjectPoint {
+            view,
+            place: shown(*place),
+            unrefracted: shown(unrefracted.map_or(*place, Point::to_array)),
+            sigma: shown(*sigma),
+            ray_distance: *ray_distance as f32,
+            depth: (-wall.outer.signed_distance((*place).into()) - wall.thickness) as f32,
+        },
+    )
+}
+
+fn vessel_points(reconstruction: &Reconstruction) -> Vec<VesselPoint> {
+    let views = reconstruction.vessel.points.iter().enumerate();
+    let points = views.flat_map(|(view, points)| points.iter().map(move |point| (view, point)));
+    points
+        .map(|(view, point)| VesselPoint {
+            view,
+            place: shown(point.point.to_array()),
+            residual: point.residual as f32,
+        })
+        .collect()
+}
+
+fn view_outcome(
+    reconstruction: &Reconstruction,
+    view: usize,
+    result: ViewResult,
+    points: Range<usize>,
+) -> ViewOutcome {
     let light = reconstruction.light_paths(view);
     let (beam, sight) = light.map_or_else(Default::default, |LightPaths { beam, sight }| {
         (places(&beam), places(&sight))
     });
+    let spots = result.spots.iter();
+    let refused = result.spots.iter().enumerate().filter_map(|(index, spot)| {
+        let reason = spot.reason.clone()?;
+        Some((index, reason))
+    });
     ViewOutcome {
-        unrefracted: reconstruction.unrefracted[view].map(Point::to_array),
-        depth: result.object.map(depth),
+        status: result.status,
+        reason: result.reason,
+        spots: match &result.line {
+            Some(line) => line_spots(line),
+            None => spots.map(Spot::of).collect(),
+        },
+        reasons: refused.take(MOST_REASONS).collect(),
+        points,
         beam,
         sight,
-        result,
     }
+}
+
+/// The points of a line: the wall's, the object's, the others.
+fn line_spots(line: &LineResult) -> Vec<Spot> {
+    let roles = [
+        (&line.vessel, SpotRole::Vessel),
+        (&line.object, SpotRole::Object),
+        (&line.stray, SpotRole::Stray),
+    ];
+    let of_role = |(pixels, role): (&Vec<[f64; 2]>, SpotRole)| -> Vec<Spot> {
+        let spot = |pixel: &[f64; 2]| Spot {
+            pixel: pixel.map(|p| p as f32),
+            role,
+        };
+        pixels.iter().map(spot).collect()
+    };
+    roles.into_iter().flat_map(of_role).collect()
 }
 
 fn places(points: &[Point<World>]) -> Vec<Place> {
     points.iter().map(|point| point.to_array()).collect()
+}
+
+fn shown(place: Place) -> Shown {
+    place.map(|part| part as f32)
 }

@@ -101,6 +101,11 @@ impl Desk {
     fn measure(&mut self, settings: &Settings) -> Result<Reply, Problem> {
         let scan = self.archive()?.scan().clone();
         let reconstruction = reconstruct(&scan, &self.spots, settings)?;
+        if reconstruction.index.value.is_none() {
+            return Err(Problem::index_wanted(
+                reconstruction.index.reason.as_deref(),
+            ));
+        }
         let outcome = Outcome::of(&reconstruction);
         self.result = Some(reconstruction.result());
         Ok(Reply::Measured(Box::new(outcome)))

@@ -13,8 +13,11 @@ use super::palette::Palette;
 use super::patch::Patch;
 use super::points::ScenePoint;
 use crate::colours::Scale;
-use crate::run::{Facts, Outcome, Place, StationFacts};
+use crate::run::{Facts, ObjectPoint, Outcome, Place, Shown, StationFacts};
 use crate::state::ColourBy;
+
+/// More beams would hide what they light.
+const MOST_BEAMS: usize = 400;
 
 /// What is to be seen. Empty until a scan is measured.
 #[derive(Default)]
@@ -22,6 +25,10 @@ pub(super) struct Content {
     measured: Option<(Arc<Facts>, Arc<Outcome>)>,
     /// The object's points in their colours.
     pub(super) object: Vec<ScenePoint>,
+    /// The wall's points.
+    pub(super) vessel: Vec<ScenePoint>,
+    /// Whether the colours are about the wall's points.
+    pub(super) about_wall: bool,
     /// The view that is chosen.
     pub(super) chosen: Option<usize>,
     patch: Option<Patch>,
@@ -34,12 +41,30 @@ impl Content {
         outcome: Arc<Outcome>,
         by: ColourBy,
         chosen: Option<usize>,
+        palette: &Palette,
     ) -> Self {
-        let object = object_points(&facts, &outcome, by);
+        let scale = Scale::of(&facts, &outcome, by);
+        let object = outcome.object.iter().map(|point| {
+            let colour = scale.of_object(&facts, by, point);
+            object_point(point, colour.map_or(palette.plain_point, opaque))
+        });
+        let vessel = outcome.vessel.iter().map(|point| {
+            let colour = scale.of_vessel(by, point);
+            let place = shown(point.place);
+            ScenePoint {
+                view: point.view,
+                place,
+                unrefracted: place,
+                colour: colour.map_or(palette.vessel_point, opaque),
+            }
+        });
         let up = up(&facts);
-        let patch = Patch::new(&outcome.wall, &vessel_places(&outcome), up);
+        let places: Vec<Vec3> = outcome.vessel.iter().map(|p| shown(p.place)).collect();
+        let patch = Patch::new(&outcome.wall, &places, up);
         let mut content = Self {
-            object,
+            object: object.collect(),
+            vessel: vessel.collect(),
+            about_wall: by == ColourBy::Residual,
             chosen,
             patch: Some(patch),
             grid: None,
@@ -87,24 +112,6 @@ impl Content {
         }
     }
 
-    pub(super) fn vessel_points(&self, palette: &Palette) -> Vec<ScenePoint> {
-        let views = self
-            .outcome()
-            .into_iter()
-            .flat_map(|o| o.views.iter().enumerate());
-        views
-            .filter_map(|(view, outcome)| {
-                let place = vector(outcome.result.vessel?);
-                Some(ScenePoint {
-                    view,
-                    place,
-                    unrefracted: place,
-                    colour: palette.vessel_point,
-                })
-            })
-            .collect()
-    }
-
     /// Cameras and the wall's edges.
     pub(super) fn solid_lines(&self, palette: &Palette) -> Vec<Line> {
         let size = self.station_size();
@@ -118,14 +125,23 @@ impl Content {
     pub(super) fn faint_lines(&self, palette: &Palette) -> Vec<Line> {
         let grid = self.grid.iter().flat_map(|g| g.lines(palette.grid));
         let beams = self.measured.iter().flat_map(|(facts, outcome)| {
-            let views = facts.stations.iter().zip(&outcome.views);
-            views.filter_map(|(station, view)| {
-                let wall = vector(view.result.vessel?);
-                let laser = vector(station.laser);
-                Some(Line::new(laser, wall, palette.station_beam))
+            // Of a sheet of light, a few rays.
+            let points = outcome.vessel.iter();
+            let beams = points.step_by(outcome.vessel.len() / MOST_BEAMS + 1);
+            beams.map(|point| {
+                let laser = vector(facts.stations[point.view].laser);
+                Line::new(laser, shown(point.place), palette.station_beam)
             })
         });
         grid.chain(beams).collect()
+    }
+
+    /// What refraction does: from where each point would be without it to where it is.
+    pub(super) fn displacements(&self, palette: &Palette) -> Vec<Line> {
+        let points = self.object.iter();
+        let few = points.step_by(self.object.len() / MOST_BEAMS + 1);
+        few.map(|p| Line::new(p.unrefracted, p.place, palette.displacement))
+            .collect()
     }
 
     pub(super) fn wall_faces(&self, palette: &Palette) -> Vec<Face> {
@@ -153,12 +169,15 @@ impl Content {
         let Some((_, outcome)) = &self.measured else {
             return Vec::new();
         };
-        let Some(view) = self.chosen.and_then(|view| outcome.views.get(view)) else {
+        let Some(chosen) = self.chosen.filter(|view| *view < outcome.views.len()) else {
             return Vec::new();
         };
+        let view = &outcome.views[chosen];
+        let end = outcome.point_of(chosen);
+        let straight_end = end.map(|point| shown(point.unrefracted));
         let bend = |path: &[Place], colour| {
             let bent: Vec<Vec3> = path.iter().copied().map(vector).collect();
-            let places = straightened(&bent, view.unrefracted.map(vector), refraction);
+            let places = straightened(&bent, straight_end, refraction);
             chain(&places, colour).collect::<Vec<_>>()
         };
         [
@@ -186,28 +205,20 @@ impl Content {
     fn facts(&self) -> Option<&Facts> {
         self.measured.as_ref().map(|(facts, _)| facts.as_ref())
     }
+}
 
-    fn outcome(&self) -> Option<&Outcome> {
-        self.measured.as_ref().map(|(_, outcome)| outcome.as_ref())
+fn object_point(point: &ObjectPoint, colour: [f32; 4]) -> ScenePoint {
+    ScenePoint {
+        view: point.view,
+        place: shown(point.place),
+        unrefracted: shown(point.unrefracted),
+        colour,
     }
 }
 
-fn object_points(facts: &Facts, outcome: &Outcome, by: ColourBy) -> Vec<ScenePoint> {
-    let scale = Scale::of(facts, outcome, by);
-    let views = outcome.views.iter().enumerate();
-    views
-        .filter_map(|(view, measured)| {
-            let place = vector(measured.result.object?);
-            let [red, green, blue] = scale.colour(facts, outcome, by, view)?;
-            let part = |value: u8| f32::from(value) / 255.0;
-            Some(ScenePoint {
-                view,
-                place,
-                unrefracted: measured.unrefracted.map_or(place, vector),
-                colour: [part(red), part(green), part(blue), 1.0],
-            })
-        })
-        .collect()
+fn opaque(colour: [u8; 3]) -> [f32; 4] {
+    let [red, green, blue] = colour.map(|part| f32::from(part) / 255.0);
+    [red, green, blue, 1.0]
 }
 
 /// Light through the faces, drawn towards the straight line to `straight_end` as refraction goes.
@@ -259,12 +270,12 @@ fn mean(facts: &Facts, of: impl Fn(&StationFacts) -> Place) -> Vec3 {
     sum / facts.stations.len().max(1) as f32
 }
 
-fn vessel_places(outcome: &Outcome) -> Vec<Vec3> {
-    let places = outcome.views.iter().filter_map(|view| view.result.vessel);
-    places.map(vector).collect()
-}
-
 /// A place as the graphics card takes it.
 pub(super) fn vector([x, y, z]: Place) -> Vec3 {
     vec3(x as f32, y as f32, z as f32)
+}
+
+/// Likewise, for a point.
+fn shown(place: Shown) -> Vec3 {
+    place.into()
 }

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use three_d::{InnerSpace, Vec2};
-use web_sys::{HtmlCanvasElement, KeyboardEvent, PointerEvent, WheelEvent};
+use web_sys::{HtmlCanvasElement, KeyboardEvent, MouseEvent, PointerEvent, WheelEvent};
 
 use super::stage::Stage;
 
@@ -115,6 +115,7 @@ pub(super) fn keys(stage: &Stage, event: &KeyboardEvent) {
     });
 }
 
-fn place(event: &PointerEvent) -> Vec2 {
+/// Where on the canvas (CSS px).
+pub(super) fn place(event: &MouseEvent) -> Vec2 {
     Vec2::new(event.offset_x() as f32, event.offset_y() as f32)
 }

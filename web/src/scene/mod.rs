@@ -17,17 +17,18 @@ mod stage;
 
 use std::rc::Rc;
 
+use leptos::html;
 use leptos::prelude::*;
-use leptos::{ev, html};
 use wasm_bindgen::prelude::*;
-use web_sys::{HtmlCanvasElement, KeyboardEvent, MediaQueryList, ResizeObserver};
+use web_sys::{HtmlCanvasElement, MediaQueryList, ResizeObserver};
 
 use self::content::Content;
 use self::gestures::{Gestures, keys};
+use self::palette::Palette;
 use self::stage::{Stage, Subject};
 use crate::colours::wants_little_motion;
 use crate::legend::Legend;
-use crate::state::{ColourBy, Workbench};
+use crate::state::{ColourBy, SceneCommand, Workbench};
 
 /// The scene with its controls.
 #[component]
@@ -56,14 +57,9 @@ pub(crate) fn Scene() -> impl IntoView {
             stage.close();
         }
     });
-    let fit = move |subject| {
-        stage.with_value(|stage| stage.iter().for_each(|stage| stage.fit(subject)));
-    };
-    fit_with_key(move || fit(Subject::Measured));
-
     view! {
         <section class="scene panel" aria-label="Scene in 3-D">
-            <Toolbar fit />
+            <Toolbar />
             <div class="stage">
                 <canvas
                     node_ref=canvas
@@ -89,17 +85,24 @@ pub(crate) fn Scene() -> impl IntoView {
     }
 }
 
+/// What the colours can mean.
+const COLOURS: [(ColourBy, &str, &str); 5] = [
+    (ColourBy::RayDistance, "ray-distance", "Ray distance"),
+    (ColourBy::Sigma, "sigma", "Standard deviation"),
+    (ColourBy::Depth, "depth", "Depth"),
+    (ColourBy::Sweep, "scan", "Scan"),
+    (ColourBy::Residual, "residual", "Wall residual"),
+];
+
 #[component]
-fn Toolbar(fit: impl Fn(Subject) + Copy + Send + 'static) -> impl IntoView {
+fn Toolbar() -> impl IntoView {
     let workbench = Workbench::get();
     let choose_colours = move |event| {
-        workbench
-            .colour_by
-            .set(match event_target_value(&event).as_str() {
-                "scan" => ColourBy::Sweep,
-                "depth" => ColourBy::Depth,
-                _ => ColourBy::RayDistance,
-            });
+        let word = event_target_value(&event);
+        let chosen = COLOURS.iter().find(|(_, known, _)| *known == word);
+        if let Some((by, ..)) = chosen {
+            workbench.colour_by.set(*by);
+        }
     };
     let chosen = move |by: ColourBy| workbench.colour_by.get() == by;
     view! {
@@ -107,37 +110,34 @@ fn Toolbar(fit: impl Fn(Subject) + Copy + Send + 'static) -> impl IntoView {
             <label class="field">
                 <span>"Colour by"</span>
                 <select data-testid="colour-by" on:change=choose_colours>
-                    <option value="ray-distance" selected=move || chosen(ColourBy::RayDistance)>
-                        "Ray distance"
-                    </option>
-                    <option value="scan" selected=move || chosen(ColourBy::Sweep)>
-                        "Scan"
-                    </option>
-                    <option value="depth" selected=move || chosen(ColourBy::Depth)>
-                        "Depth"
-                    </option>
+                    {COLOURS
+                        .map(|(by, word, name)| {
+                            view! {
+                                <option value=word selected=move || chosen(by)>
+                                    {name}
+                                </option>
+                            }
+                        })
+                        .collect_view()}
                 </select>
             </label>
-            <label class="switch">
-                <input
-                    type="checkbox"
-                    role="switch"
-                    data-testid="refraction-switch"
-                    prop:checked=move || workbench.refraction.get()
-                    on:change=move |event| workbench.refraction.set(event_target_checked(&event))
-                />
-                <span>
-                    {move || {
-                        if workbench.refraction.get() { "With refraction" } else { "Without refraction" }
-                    }}
-                </span>
-            </label>
+            <RefractionSlider />
             <div class="views-of">
                 <button
                     type="button"
                     class="quiet"
+                    aria-pressed=move || workbench.orthographic.get().to_string()
+                    title="Without perspective: what is parallel is seen parallel (5)"
+                    data-testid="orthographic"
+                    on:click=move |_| workbench.orthographic.update(|on| *on = !*on)
+                >
+                    "Parallel"
+                </button>
+                <button
+                    type="button"
+                    class="quiet"
                     title="Move the camera until the wall and the object fill the picture (F)"
-                    on:click=move |_| fit(Subject::Measured)
+                    on:click=move |_| workbench.command.set(Some(SceneCommand::Fit))
                 >
                     "Fit "
                     <kbd>"F"</kbd>
@@ -146,11 +146,51 @@ fn Toolbar(fit: impl Fn(Subject) + Copy + Send + 'static) -> impl IntoView {
                     type="button"
                     class="quiet"
                     title="Move the camera until the rig's stations are in the picture too"
-                    on:click=move |_| fit(Subject::WholeSetUp)
+                    on:click=move |_| workbench.command.set(Some(SceneCommand::FitAll))
                 >
                     "Whole set-up"
                 </button>
             </div>
+        </div>
+    }
+}
+
+/// From the object as it would be seen without refraction to where it is.
+#[component]
+fn RefractionSlider() -> impl IntoView {
+    let workbench = Workbench::get();
+    let slide = move |event| {
+        if let Ok(refraction) = event_target_value(&event).parse() {
+            workbench.refraction.set(refraction);
+        }
+    };
+    let end = move |(name, test_id, at): (&'static str, &'static str, f32)| {
+        view! {
+            <button
+                type="button"
+                class="chip"
+                data-testid=test_id
+                aria-pressed=move || (workbench.refraction.get() == at).to_string()
+                on:click=move |_| workbench.refraction.set(at)
+            >
+                {name}
+            </button>
+        }
+    };
+    view! {
+        <div class="refraction" role="group" aria-label="Refraction">
+            {end(("Without", "refraction-without", 0.0))}
+            <input
+                type="range"
+                min="0"
+                max="1"
+                step="0.01"
+                data-testid="refraction-slider"
+                aria-label="Refraction, from without to with"
+                prop:value=move || workbench.refraction.get().to_string()
+                on:input=slide
+            />
+            {end(("With refraction", "refraction-with", 1.0))}
         </div>
     }
 }
@@ -171,6 +211,7 @@ fn follow(stage: &Stage, workbench: Workbench) {
             outcome,
             by,
             workbench.chosen.get_untracked(),
+            &Palette::of_the_system(),
         ));
         if had_content != Some(true) {
             stage.face_front();
@@ -178,9 +219,26 @@ fn follow(stage: &Stage, workbench: Workbench) {
         true
     });
     Effect::new(move |_| show.get_value().choose(workbench.chosen.get()));
-    Effect::new(move |before: Option<bool>| {
+    Effect::new(move |_| {
+        show.get_value()
+            .set_orthographic(workbench.orthographic.get())
+    });
+    Effect::new(move |_| {
+        let Some(command) = workbench.command.get() else {
+            return;
+        };
+        let stage = show.get_value();
+        match command {
+            SceneCommand::Fit => stage.fit(Subject::Measured),
+            SceneCommand::FitAll => stage.fit(Subject::WholeSetUp),
+            SceneCommand::Look(from) => stage.look(from),
+        }
+    });
+    Effect::new(move |before: Option<f32>| {
         let refraction = workbench.refraction.get();
-        let at_once = before.is_none() || wants_little_motion();
+        // A slider under way is motion enough.
+        let is_jump = before.is_some_and(|before| (before - refraction).abs() == 1.0);
+        let at_once = !is_jump || wants_little_motion();
         show.get_value().refract(refraction, at_once);
         refraction
     });
@@ -216,8 +274,8 @@ fn attend(canvas: &HtmlCanvasElement, stage: &Stage, workbench: Workbench) {
         "pointerup",
         Box::new(move |event| {
             let place = hand.up(event.unchecked_ref());
-            if let Some(view) = place.and_then(|place| on_stage.view_at(place)) {
-                workbench.choose(Some(view));
+            if let Some(point) = place.and_then(|place| on_stage.point_at(place)) {
+                workbench.choose(Some(point.view));
             }
         }),
     );
@@ -236,6 +294,11 @@ fn attend(canvas: &HtmlCanvasElement, stage: &Stage, workbench: Workbench) {
         "keydown",
         Box::new(move |event| keys(&on_stage, event.unchecked_ref())),
     );
+    let on_stage = stage.clone();
+    on(
+        "dblclick",
+        Box::new(move |event| on_stage.focus(gestures::place(event.unchecked_ref()))),
+    );
     on("contextmenu", Box::new(|event| event.prevent_default()));
     watch_size(canvas, stage);
 }
@@ -247,23 +310,6 @@ fn watch_size(canvas: &HtmlCanvasElement, stage: &Stage) {
         observer.observe(canvas);
     }
     resized.into_js_value();
-}
-
-/// F fits, unless something is being typed.
-fn fit_with_key(fit: impl Fn() + 'static) {
-    let listener = window_event_listener(ev::keydown, move |event: KeyboardEvent| {
-        let typing = event.target().is_some_and(|target| {
-            target
-                .dyn_ref::<web_sys::HtmlInputElement>()
-                .is_some_and(|i| i.type_() != "checkbox")
-                || target.dyn_ref::<web_sys::HtmlSelectElement>().is_some()
-        });
-        let plain = !event.ctrl_key() && !event.meta_key() && !event.alt_key();
-        if plain && !typing && event.key().eq_ignore_ascii_case("f") {
-            fit();
-        }
-    });
-    on_cleanup(move || listener.remove());
 }
 
 /// Tells when the system goes over from light to dark or back.

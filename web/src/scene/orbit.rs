@@ -1,9 +1,16 @@
 //! The camera that looks at the scene: it circles a target and keeps upright.
 
+use std::f32::consts::FRAC_PI_2;
+
 use three_d::{Camera, InnerSpace, Vec2, Vec3, Viewport, degrees, vec3};
+
+use crate::state::Look;
 
 /// Vertical field of view, degrees.
 const FIELD: f32 = 32.0;
+
+/// As far up as the camera goes, radians: straight from above there is no upright.
+const STEEPEST: f32 = 1.5705;
 
 /// Where the camera is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +27,8 @@ pub(super) struct Orbit {
     up: Vec3,
     /// From the scene to the rig, across `up`.
     front: Vec3,
+    /// Without perspective.
+    pub(super) orthographic: bool,
 }
 
 impl Default for Orbit {
@@ -39,20 +48,55 @@ impl Orbit {
             elevation: 0.36,
             up,
             front,
+            orthographic: false,
         }
     }
 
     /// The matrices.
     pub(super) fn camera(&self, viewport: Viewport) -> Camera {
+        let (eye, far) = (
+            self.target + self.back() * self.distance,
+            self.distance * 50.0,
+        );
+        if self.orthographic {
+            // What lies at the target's distance keeps its size; what lies behind the eye is seen too.
+            // The height is that at a distance of 1: three-d counts the distance in.
+            let height = 2.0 * half_field();
+            return Camera::new_orthographic(
+                viewport,
+                eye,
+                self.target,
+                self.up,
+                height,
+                -far,
+                far,
+            );
+        }
+        let near = self.distance * 0.01;
         Camera::new_perspective(
             viewport,
-            self.target + self.back() * self.distance,
+            eye,
             self.target,
             self.up,
             degrees(FIELD),
-            self.distance * 0.01,
-            self.distance * 50.0,
+            near,
+            far,
         )
+    }
+
+    /// Turns to look from the rig, from the side, or from above.
+    pub(super) fn look(&mut self, from: Look) {
+        (self.azimuth, self.elevation) = match from {
+            Look::Front => (0.0, 0.0),
+            Look::Side => (FRAC_PI_2, 0.0),
+            Look::Above => (0.0, STEEPEST),
+        };
+    }
+
+    /// Looks at a place, from nearer.
+    pub(super) fn focus(&mut self, place: Vec3) {
+        self.target = place;
+        self.distance *= 0.5;
     }
 
     /// From the target to the camera.
@@ -71,7 +115,6 @@ impl Orbit {
 
     /// Turns with a drag across the picture (CSS px): a drag of its height is half a turn.
     pub(super) fn turn(&mut self, drag: Vec2, picture: Vec2) {
-        const STEEPEST: f32 = 1.55;
         let per_px = std::f32::consts::PI / picture.y.max(200.0);
         self.azimuth -= drag.x * per_px;
         self.elevation = (self.elevation + drag.y * per_px).clamp(-STEEPEST, STEEPEST);

@@ -52,13 +52,11 @@ impl Patch {
 
     fn of_mesh(mesh: &Mesh) -> Self {
         let pair = |through: &Through| through.map(vector);
-        let rows = mesh.rows.iter();
-        let rows: Vec<Vec<Option<Pair>>> = rows
-            .map(|row| row.iter().map(|t| t.as_ref().map(pair)).collect())
-            .collect();
+        let rings = mesh.rings.iter();
+        let rings: Vec<Vec<Pair>> = rings.map(|ring| ring.iter().map(pair).collect()).collect();
         Self {
-            cells: cells(&rows),
-            rim: mesh.rim.iter().map(pair).collect(),
+            cells: cells(&rings),
+            rim: rings.last().cloned().unwrap_or_default(),
             corners: Vec::new(),
         }
     }
@@ -74,12 +72,8 @@ impl Patch {
         let pair = |u: f32, v: f32| [sheet.place(u, v, 0.0), sheet.place(u, v, thickness)];
         let row = |v: &f32| across.iter().map(|u| pair(*u, *v)).collect();
         let rows: Vec<Vec<Pair>> = along.iter().map(row).collect();
-        let some: Vec<Vec<_>> = rows
-            .iter()
-            .map(|row| row.iter().copied().map(Some).collect())
-            .collect();
         Self {
-            cells: cells(&some),
+            cells: cells(&rows),
             rim: rim(&rows),
             corners: corners(&rows),
         }
@@ -116,12 +110,12 @@ impl Patch {
     }
 }
 
-/// The cells of which all four corners are there.
-fn cells(rows: &[Vec<Option<Pair>>]) -> Vec<[Pair; 4]> {
+/// The cells between neighbouring rows.
+fn cells(rows: &[Vec<Pair>]) -> Vec<[Pair; 4]> {
     let bands = rows.windows(2);
     let corners = bands.flat_map(|band| band[0].windows(2).zip(band[1].windows(2)));
     corners
-        .filter_map(|(low, high)| Some([low[0]?, low[1]?, high[1]?, high[0]?]))
+        .map(|(low, high)| [low[0], low[1], high[1], high[0]])
         .collect()
 }
 

@@ -18,7 +18,8 @@ use super::labels::Labels;
 use super::lines::Lines;
 use super::orbit::Orbit;
 use super::palette::Palette;
-use super::points::{PointStyle, Points};
+use super::points::{PointStyle, Points, ScenePoint};
+use crate::state::Look;
 
 /// Why there is no stage.
 #[derive(Debug)]
@@ -72,6 +73,7 @@ struct Set {
     marker: Points,
     solid: Lines,
     faint: Lines,
+    displacements: Lines,
     chosen_light: Lines,
     wall: Faces,
 }
@@ -87,6 +89,7 @@ impl Stage {
             marker: Points::new(&context)?,
             solid: Lines::new(&context)?,
             faint: Lines::new(&context)?,
+            displacements: Lines::new(&context)?,
             chosen_light: Lines::new(&context)?,
             wall: Faces::new(&context)?,
         };
@@ -126,9 +129,10 @@ impl Stage {
         let set = &mut *self.0.set.borrow_mut();
         let palette = Palette::of_the_system();
         set.object.fill(&content.object);
-        set.vessel.fill(&content.vessel_points(&palette));
+        set.vessel.fill(&content.vessel);
         set.solid.fill(&content.solid_lines(&palette));
         set.faint.fill(&content.faint_lines(&palette));
+        set.displacements.fill(&content.displacements(&palette));
         set.wall.fill(&content.wall_faces(&palette));
         self.0.labels.fill(content.labels());
         set.palette = palette;
@@ -142,9 +146,9 @@ impl Stage {
         self.draw_soon();
     }
 
-    /// Goes over to the object with or without refraction, in steps if motion is welcome.
-    pub(super) fn refract(&self, refraction: bool, at_once: bool) {
-        let wanted = f32::from(u8::from(refraction));
+    /// Goes over to the object with (1) or without (0) refraction, or between, in steps if motion is
+    /// welcome.
+    pub(super) fn refract(&self, wanted: f32, at_once: bool) {
         self.0.wanted_refraction.set(wanted);
         if at_once {
             self.0.refraction.set(wanted);
@@ -163,9 +167,32 @@ impl Stage {
 
     /// Looks from beside the rig at what was measured.
     pub(super) fn face_front(&self) {
-        let front = self.0.set.borrow().content.front();
+        let mut front = self.0.set.borrow().content.front();
+        front.orthographic = self.0.orbit.get().orthographic;
         self.0.orbit.set(front);
         self.fit(Subject::Measured);
+    }
+
+    /// Looks at what was measured from one of the usual sides.
+    pub(super) fn look(&self, from: Look) {
+        self.turn(|orbit| orbit.look(from));
+        self.fit(Subject::Measured);
+    }
+
+    /// With or without perspective.
+    pub(super) fn set_orthographic(&self, on: bool) {
+        let mut orbit = self.0.orbit.get();
+        orbit.orthographic = on;
+        self.0.orbit.set(orbit);
+        self.draw_soon();
+    }
+
+    /// Looks at the point that is nearest to a place of the canvas (CSS px), if one is near.
+    pub(super) fn focus(&self, place: Vec2) {
+        if let Some(point) = self.point_at(place) {
+            let at = point.between(smooth(self.0.refraction.get()));
+            self.turn(|orbit| orbit.focus(at));
+        }
     }
 
     /// Moves the camera until the subject fills the picture; as long as no hand moves the camera, it
@@ -183,12 +210,13 @@ impl Stage {
         self.0.fitted.set(Some(subject));
     }
 
-    /// The view whose object point is nearest to a place of the canvas (CSS px), if one is near.
-    pub(super) fn view_at(&self, place: Vec2) -> Option<usize> {
+    /// The point of object or wall that is nearest to a place of the canvas (CSS px), if one is near.
+    pub(super) fn point_at(&self, place: Vec2) -> Option<ScenePoint> {
         const REACH: f32 = 14.0;
         let size = self.css_size();
         let camera = self.0.orbit.get().camera(self.viewport());
         let matrix = camera.projection() * camera.view();
+        let refraction = smooth(self.0.refraction.get());
         let set = self.0.set.borrow();
         let distance = |at: Vec3| {
             let clip = matrix * at.extend(1.0);
@@ -196,12 +224,12 @@ impl Stage {
             let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
             (clip.w > 0.0).then(|| (x - place.x).hypot(y - place.y))
         };
-        let points = set.content.object.iter();
+        let points = set.content.object.iter().chain(&set.content.vessel);
         points
-            .filter_map(|p| Some((distance(p.between(self.0.refraction.get()))?, p.view)))
+            .filter_map(|p| Some((distance(p.between(refraction))?, *p)))
             .filter(|(distance, _)| *distance <= REACH)
             .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, view)| view)
+            .map(|(_, point)| point)
     }
 
     /// The canvas's size, CSS px.
@@ -290,14 +318,19 @@ impl Stage {
         set.chosen_light
             .fill(&set.content.chosen_light(&palette, refraction));
 
+        let (object_size, vessel_size) = if set.content.about_wall {
+            (5.0, 9.0)
+        } else {
+            (9.0, 4.5)
+        };
         let object = PointStyle {
-            size: 9.0 * scale,
+            size: object_size * scale,
             rim: palette.rim,
             refraction,
             ring: false,
         };
         let vessel = PointStyle {
-            size: 4.5 * scale,
+            size: vessel_size * scale,
             ..object
         };
         let marker = PointStyle {
@@ -313,6 +346,9 @@ impl Stage {
             set.vessel.draw(matrix, viewport, vessel);
             set.solid.draw(matrix, viewport, 1.25 * scale);
             set.chosen_light.draw(matrix, viewport, 2.25 * scale);
+            if refraction < 1.0 {
+                set.displacements.draw(matrix, viewport, 1.0 * scale);
+            }
             set.wall.draw(matrix, viewport);
             set.faint.draw(matrix, viewport, 1.0 * scale);
             set.marker.draw(matrix, viewport, marker);

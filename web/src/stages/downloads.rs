@@ -48,12 +48,11 @@ const DOWNLOADS: [Download; 4] = [
 
 /// A button a file.
 #[component]
-pub(crate) fn Downloads() -> impl IntoView {
+pub(super) fn Downloads() -> impl IntoView {
     view! {
-        <section class="downloads panel" aria-labelledby="downloads-title">
-            <h2 id="downloads-title">"Download"</h2>
-            <div class="download-buttons">{DOWNLOADS.map(button).collect_view()}</div>
-        </section>
+        <div class="download-buttons" role="group" aria-label="Download">
+            {DOWNLOADS.map(button).collect_view()}
+        </div>
     }
 }
 
@@ -71,7 +70,13 @@ fn button(download: Download) -> impl IntoView {
         });
     };
     view! {
-        <button type="button" class="download" data-testid=download.test_id on:click=write>
+        <button
+            type="button"
+            class="download"
+            data-testid=download.test_id
+            disabled=move || workbench.outcome.with(Option::is_none)
+            on:click=write
+        >
             <span class="value">{download.name}</span>
             <span class="what">{download.what}</span>
         </button>

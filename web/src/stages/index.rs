@@ -2,8 +2,13 @@
 
 use leptos::prelude::*;
 
+use super::index_is_wanted;
 use crate::number::fixed;
+use crate::run::ProblemKind;
 use crate::state::Workbench;
+
+/// What a change of the index is called in the history.
+const INDEX: &str = "index";
 
 /// Liquids at 20 degrees Celsius and 589 nm.
 const LIQUIDS: [(&str, f64); 4] = [
@@ -15,11 +20,11 @@ const LIQUIDS: [(&str, f64); 4] = [
 
 /// The index, its explanation and some liquids.
 #[component]
-pub(crate) fn IndexPanel() -> impl IntoView {
+pub(super) fn IndexControl() -> impl IntoView {
     let workbench = Workbench::get();
     let given = move || workbench.facts.get().and_then(|facts| facts.given_index);
     let own = move || workbench.settings.with(|settings| settings.index);
-    let wanted = move || workbench.outcome.with(Option::is_none);
+    let wanted = Memo::new(move |_| index_is_wanted(workbench));
     let text = RwSignal::new(String::new());
     // Whatever sets the index, the field shows it; what is being typed stays as it is.
     Effect::new(move |_| {
@@ -35,18 +40,22 @@ pub(crate) fn IndexPanel() -> impl IntoView {
         unreadable.set(index.is_err());
         text.set(typed);
         if let Ok(index) = index {
-            workbench.set_index(Some(index));
+            workbench.change(INDEX, |settings| settings.index = Some(index));
         }
     };
     let choose = move |index| {
         unreadable.set(false);
-        workbench.set_index(index);
+        workbench.change(INDEX, |settings| settings.index = index);
+        workbench.let_go();
     };
     let complaint = move || {
-        if unreadable.get() && !wanted() {
+        if unreadable.get() && !wanted.get() {
             return Some("This is no number; the last one is still used.".to_owned());
         }
-        let problem = workbench.index_problem.get()?;
+        let problem = workbench.stage_problem.get()?;
+        if problem.kind != ProblemKind::IndexImpossible {
+            return None;
+        }
         Some(format!(
             "{}. {}",
             problem.cause.trim_end_matches('.'),
@@ -54,13 +63,13 @@ pub(crate) fn IndexPanel() -> impl IntoView {
         ))
     };
     view! {
-        <section class="index panel" class:wanted=wanted aria-labelledby="index-title">
-            <h2 id="index-title">
-                {move || if wanted() { "Which liquid is it?" } else { "Liquid" }}
-            </h2>
+        <div class="index" class:wanted=move || wanted.get()>
+            <Show when=move || wanted.get()>
+                <p class="question">"Which liquid is it?"</p>
+            </Show>
             <p id="index-help" class="help">
                 {move || {
-                    if wanted() {
+                    if wanted.get() {
                         "The spots are found, but the scan does not say how strongly the liquid bends \
                          light. Give its refractive index, and the object appears at once."
                     } else {
@@ -81,6 +90,7 @@ pub(crate) fn IndexPanel() -> impl IntoView {
                     aria-invalid=move || complaint().is_some().to_string()
                     prop:value=move || text.get()
                     on:input=typed
+                    on:change=move |_| workbench.let_go()
                 />
                 <Show when=move || own().is_some() && given().is_some()>
                     <button type="button" class="quiet" on:click=move |_| choose(None)>
@@ -104,6 +114,6 @@ pub(crate) fn IndexPanel() -> impl IntoView {
             <p id="index-complaint" class="complaint" role="status">
                 {complaint}
             </p>
-        </section>
+        </div>
     }
 }

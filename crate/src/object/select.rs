@@ -1,0 +1,232 @@
+//! Which of the spots that pass by their ray distance is real: all views together.
+//!
+//! Three things speak for a spot, each as the logarithm of how much likelier they make it the object's than
+//! a ghost's: its ray distance, its agreement with the surface that the neighbouring views make
+//! ([`super::neighbours`]), and its brightness beside that of the object's other spots. In each view the
+//! spot with the greatest sum is taken; as neighbours speak for each other, this is repeated until nothing
+//! changes. A spot with which no neighbours agree is refused at last, if the scan has shown that there are
+//! ghosts.
+
+use super::neighbours::{Forecasts, Misfit, Place, together, usual_curvature};
+use super::{Neighbourhood, ObjectPoint};
+use crate::geometry::{Ray, World};
+use crate::robust::{median, robust_scale};
+
+/// A spot that passes by its ray distance.
+#[derive(Clone, Debug)]
+pub(super) struct Fitting {
+    pub(super) point: ObjectPoint,
+    pub(super) brightness: f64,
+    /// The ray distance in standard deviations.
+    pub(super) gap: f64,
+}
+
+/// What became of the fitting spots of a view.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Selection {
+    /// The one that is the object's.
+    pub(super) chosen: Option<usize>,
+    /// What is known of each of them.
+    pub(super) evidence: Vec<Evidence>,
+}
+
+/// What speaks for a spot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Evidence {
+    /// The logarithm of how much likelier it is the object's than a ghost's.
+    favour: f64,
+    /// Its nearest agreement with the neighbours' surface.
+    misfit: Option<Misfit>,
+}
+
+impl Evidence {
+    /// Neither ray distance nor brightness alone refuse a spot here; this is the most that either says
+    /// against it, as a logarithm.
+    const MOST: f64 = -3.0;
+
+    fn new(spot: &Fitting, brightness: f64, surface: f64, misfit: Option<Misfit>) -> Self {
+        /// Ray distances of ghosts are as likely up to the limit, here in standard deviations.
+        const GAPS: f64 = 8.0;
+        /// And so is their light, here in the spread of the object's.
+        const LIGHTS: f64 = 8.0;
+        let normal = |z: f64, range: f64| libm::log(range / ROOT_TAU) - 0.5 * z * z;
+        let favour = |z, range| normal(z, range).max(Self::MOST);
+        Self {
+            favour: favour(spot.gap, GAPS) + favour(brightness, LIGHTS) + surface,
+            misfit,
+        }
+    }
+
+    /// Whether it is rather the object's than a ghost's.
+    fn is_supported(&self) -> bool {
+        self.favour > SURE
+    }
+
+    /// How the neighbours see it, for a refusal.
+    pub(super) fn neighbourhood(&self) -> Neighbourhood {
+        Neighbourhood {
+            off: self.misfit.map(|misfit| misfit.off),
+            sigma: self.misfit.map(|misfit| misfit.sigma),
+        }
+    }
+}
+
+const ROOT_TAU: f64 = 2.506_628_274_631_000_2;
+/// A sum of more than this takes a spot for the object's. A false point is worse than a missing one, so it
+/// is more than 0.
+const SURE: f64 = 1.5;
+
+/// The usual brightness of the object's spots, as a logarithm.
+#[derive(Clone, Copy)]
+struct Usual {
+    middle: f64,
+    spread: f64,
+}
+
+impl Usual {
+    fn of(brightness: impl Iterator<Item = f64>) -> Option<Self> {
+        /// A surface's own brightness varies by so much, as faces turn and light is grainy.
+        const LEAST: f64 = 0.35;
+        let logs: Vec<f64> = brightness.map(libm::log).collect();
+        if logs.is_empty() {
+            return None;
+        }
+        let middle = median(logs.clone());
+        let off: Vec<f64> = logs.iter().map(|log| log - middle).collect();
+        Some(Self {
+            middle,
+            spread: robust_scale(&off).max(LEAST),
+        })
+    }
+
+    fn hold(&self, brightness: f64) -> f64 {
+        (libm::log(brightness) - self.middle) / self.spread
+    }
+}
+
+/// Selects each view's spot; `beams` are those behind the wall, `strays` is how many spots of the scan are
+/// no point of wall or object already.
+pub(super) fn select(
+    fitting: &[Vec<Fitting>],
+    beams: &[Option<Ray<World>>],
+    strays: usize,
+) -> Vec<Selection> {
+    const ROUNDS: usize = 12;
+    let Some(usual) = Usual::of(fitting.iter().filter_map(|f| Some(f.first()?.brightness))) else {
+        return vec![Selection::default(); fitting.len()];
+    };
+    let mut selections = alone(fitting, usual);
+    for _ in 0..ROUNDS {
+        let next = round(fitting, beams, &selections);
+        let settled = choices(&next) == choices(&selections);
+        selections = next;
+        if settled {
+            break;
+        }
+    }
+    refuse_unsupported(&mut selections, fitting, strays);
+    selections
+}
+
+fn choices(selections: &[Selection]) -> Vec<(Option<usize>, bool)> {
+    let choice = |s: &Selection| (s.chosen, s.is_supported());
+    selections.iter().map(choice).collect()
+}
+
+impl Selection {
+    fn best_of(evidence: Vec<Evidence>) -> Self {
+        let favours = evidence.iter().map(|e| e.favour).enumerate();
+        let chosen = favours
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(index, _)| index);
+        Self { chosen, evidence }
+    }
+
+    fn is_supported(&self) -> bool {
+        self.chosen
+            .is_some_and(|spot| self.evidence[spot].is_supported())
+    }
+}
+
+/// Each view by itself.
+fn alone(fitting: &[Vec<Fitting>], usual: Usual) -> Vec<Selection> {
+    // For a start everything is as if neighbours spoke for it.
+    let evidence =
+        |spot: &Fitting| Evidence::new(spot, usual.hold(spot.brightness), 2.0 * SURE, None);
+    let view = |spots: &Vec<Fitting>| Selection::best_of(spots.iter().map(evidence).collect());
+    fitting.iter().map(view).collect()
+}
+
+/// Each view in the light of what was chosen in the others.
+fn round(
+    fitting: &[Vec<Fitting>],
+    beams: &[Option<Ray<World>>],
+    before: &[Selection],
+) -> Vec<Selection> {
+    let chosen: Vec<Option<&Fitting>> = before
+        .iter()
+        .zip(fitting)
+        .map(|(selection, spots)| Some(&spots[selection.chosen?]))
+        .collect();
+    let places: Vec<Option<Place>> = chosen
+        .iter()
+        .zip(beams)
+        .map(|(spot, beam)| Some(place((*spot)?, beam.as_ref()?)))
+        .collect();
+    let trusted: Vec<Option<Place>> = places
+        .iter()
+        .zip(before)
+        .map(|(place, selection)| place.filter(|_| selection.is_supported()))
+        .collect();
+    let forecasts: Vec<Option<Forecasts>> = beams
+        .iter()
+        .enumerate()
+        .map(|(view, beam)| Some(Forecasts::of(view, beam.as_ref()?, &places)))
+        .collect();
+    let curvature = usual_curvature(&forecasts, &trusted);
+    let usual = Usual::of(chosen.iter().flatten().map(|spot| spot.brightness));
+    let view = |view: usize| {
+        let evidence = |spot: &Fitting| {
+            let hold = |(beam, forecasts): (&Ray<World>, &Forecasts)| {
+                forecasts.hold(&place(spot, beam), curvature)
+            };
+            let misfits = beams[view]
+                .as_ref()
+                .zip(forecasts[view].as_ref())
+                .map_or_else(Vec::new, hold);
+            let brightness = usual.map_or(0.0, |usual| usual.hold(spot.brightness));
+            let best = misfits
+                .iter()
+                .copied()
+                .max_by(|a, b| a.favour().total_cmp(&b.favour()));
+            Evidence::new(spot, brightness, together(&misfits), best)
+        };
+        Selection::best_of(fitting[view].iter().map(evidence).collect())
+    };
+    (0..fitting.len()).map(view).collect()
+}
+
+fn place(spot: &Fitting, beam: &Ray<World>) -> Place {
+    Place::new(&spot.point.meeting, &spot.point.noise, beam)
+}
+
+/// Refuses what no neighbours speak for, where there are ghosts at all: about as many may stand alone in
+/// their views as are seen beside others. Where far more spots stand alone, the surface is too rough, or
+/// its points too few, to judge by.
+fn refuse_unsupported(selections: &mut [Selection], fitting: &[Vec<Fitting>], strays: usize) {
+    let outdone: usize = fitting
+        .iter()
+        .map(|spots| spots.len().saturating_sub(1))
+        .sum();
+    let lone = selections
+        .iter()
+        .filter(|s| s.chosen.is_some() && !s.is_supported())
+        .count();
+    let ghosts = strays + outdone;
+    if ghosts == 0 || lone > 3 * ghosts + fitting.len() / 10 {
+        return;
+    }
+    for selection in selections.iter_mut().filter(|s| !s.is_supported()) {
+        selection.chosen = None;
+    }
+}

@@ -1,0 +1,54 @@
+//! What was set before, so that every change of the result can be taken back.
+
+use snellius::pipeline::Settings;
+
+/// The settings before and after the present ones.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct History {
+    past: Vec<Settings>,
+    future: Vec<Settings>,
+    /// What is being turned: a drag through a hundred values is one change.
+    turning: Option<&'static str>,
+}
+
+impl History {
+    /// Remembers the settings before a change of `what`.
+    pub(crate) fn note(&mut self, what: &'static str, before: Settings) {
+        if self.turning != Some(what) {
+            self.past.push(before);
+        }
+        self.turning = Some(what);
+        self.future.clear();
+    }
+
+    /// Whatever was being turned has been let go.
+    pub(crate) fn let_go(&mut self) {
+        self.turning = None;
+    }
+
+    /// The settings before the last change, in exchange for the present ones.
+    pub(crate) fn undo(&mut self, now: Settings) -> Option<Settings> {
+        self.turning = None;
+        let before = self.past.pop()?;
+        self.future.push(now);
+        Some(before)
+    }
+
+    /// The settings before the last undo, in exchange for the present ones.
+    pub(crate) fn redo(&mut self, now: Settings) -> Option<Settings> {
+        self.turning = None;
+        let after = self.future.pop()?;
+        self.past.push(now);
+        Some(after)
+    }
+
+    /// Whether there is anything to undo.
+    pub(crate) fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Whether there is anything to redo.
+    pub(crate) fn can_redo(&self) -> bool {
+        !self.future.is_empty()
+    }
+}

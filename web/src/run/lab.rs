@@ -1,0 +1,253 @@
+//! A lab: an open archive and the workers that measure it. It remembers what it found, so that changed
+//! settings cost only what depends on them.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use futures::future::try_join_all;
+use snellius::pipeline::Settings;
+use snellius::spots::{SpotSettings, Spots};
+use web_sys::Blob;
+
+use super::hand::Hand;
+use super::messages::{FileKind, PictureSet};
+use super::problem::Problem;
+use super::report::{Facts, Outcome};
+
+/// How far the search for spots is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Progress {
+    /// Views whose spots are found.
+    pub(crate) done: usize,
+    /// Views in all; 0 until the archive is open.
+    pub(crate) views: usize,
+    /// Seconds since the first view was begun.
+    pub(crate) seconds: f64,
+}
+
+/// An open archive and its workers.
+pub(crate) struct Lab {
+    file: Blob,
+    facts: Facts,
+    /// One a core, each with the archive open; they find spots and develop pictures.
+    observers: RefCell<Vec<Rc<Hand>>>,
+    /// The spots of all views, and the settings they were found with.
+    found: RefCell<Option<(SpotSettings, Rc<Vec<Spots>>)>>,
+    /// Measures vessel and object. It is not here while it does.
+    measurer: RefCell<Option<Measurer>>,
+}
+
+/// A worker, and what it has on its desk.
+struct Measurer {
+    hand: Hand,
+    spots: Option<SpotSettings>,
+    measured: Option<Settings>,
+}
+
+impl Lab {
+    /// Opens an archive.
+    pub(crate) async fn open(file: Blob) -> Result<Self, Problem> {
+        let hand = Hand::start().await?;
+        let facts = hand.open(&file).await?;
+        Ok(Self {
+            file,
+            facts,
+            observers: RefCell::default(),
+            found: RefCell::new(None),
+            measurer: RefCell::new(Some(Measurer {
+                hand,
+                spots: None,
+                measured: None,
+            })),
+        })
+    }
+
+    /// What is known before anything is measured.
+    pub(crate) const fn facts(&self) -> &Facts {
+        &self.facts
+    }
+
+    /// Measures the archive: what changed settings do not concern is not done again. Dropping the future
+    /// ends the work.
+    pub(crate) async fn measure(
+        &self,
+        settings: Settings,
+        tell: impl Fn(Progress),
+    ) -> Result<Outcome, Problem> {
+        let spots = self.spots(settings, tell).await?;
+        let mut measurer = self.measurer(settings.spots, &spots).await?;
+        // If this future is dropped now, the measurer is dropped with it, which ends its worker.
+        let outcome = measurer.hand.measure(settings).await;
+        measurer.measured = outcome.is_ok().then_some(settings);
+        self.measurer.replace(Some(measurer));
+        outcome
+    }
+
+    /// Decodes the pictures of a view.
+    pub(crate) async fn pictures(&self, view: usize) -> Result<PictureSet, Problem> {
+        let hand = self.observer(view).await?;
+        hand.pictures(view).await
+    }
+
+    /// Writes a file of what the settings give.
+    pub(crate) async fn write(
+        &self,
+        kind: FileKind,
+        settings: Settings,
+    ) -> Result<String, Problem> {
+        let is_measured = |measurer: &Measurer| measurer.measured == Some(settings);
+        if !self.measurer.borrow().as_ref().is_some_and(is_measured) {
+            self.measure(settings, |_| {}).await?;
+        }
+        let measurer = self.measurer.take().ok_or_else(busy)?;
+        let text = measurer.hand.write(kind).await;
+        self.measurer.replace(Some(measurer));
+        text
+    }
+
+    /// The spots of all views, found now if they are not at hand.
+    async fn spots(
+        &self,
+        settings: Settings,
+        tell: impl Fn(Progress),
+    ) -> Result<Rc<Vec<Spots>>, Problem> {
+        if let Some((with, spots)) = &*self.found.borrow()
+            && *with == settings.spots
+        {
+            return Ok(Rc::clone(spots));
+        }
+        let views = self.facts.stations.len();
+        let list = WorkList::new(views, tell);
+        let work = (0..cores().min(views)).map(|number| {
+            let list = &list;
+            async move {
+                let hand = self.observer(number).await?;
+                list.work_off(&hand, settings).await;
+                Ok::<_, Problem>(())
+            }
+        });
+        try_join_all(work).await?;
+        let spots = Rc::new(list.spots()?);
+        self.found
+            .replace(Some((settings.spots, Rc::clone(&spots))));
+        Ok(spots)
+    }
+
+    /// One of the observers; started, if it is not there yet.
+    async fn observer(&self, number: usize) -> Result<Rc<Hand>, Problem> {
+        let number = number % cores();
+        if let Some(hand) = self.observers.borrow().get(number) {
+            return Ok(Rc::clone(hand));
+        }
+        let hand = Rc::new(Hand::start().await?);
+        hand.open(&self.file).await?;
+        self.observers.borrow_mut().push(Rc::clone(&hand));
+        Ok(hand)
+    }
+
+    /// A worker that has these spots.
+    async fn measurer(&self, with: SpotSettings, spots: &[Spots]) -> Result<Measurer, Problem> {
+        let at_hand = self.measurer.take();
+        let mut measurer = match at_hand {
+            Some(measurer) => measurer,
+            None => {
+                let hand = Hand::start().await?;
+                hand.open(&self.file).await?;
+                Measurer {
+                    hand,
+                    spots: None,
+                    measured: None,
+                }
+            }
+        };
+        if measurer.spots != Some(with) {
+            measurer.hand.keep(spots.to_vec()).await?;
+            measurer.spots = Some(with);
+        }
+        Ok(measurer)
+    }
+}
+
+fn busy() -> Problem {
+    Problem::own("The scan is being measured anew.")
+}
+
+/// How many workers: one a core, but no more than memory likes.
+fn cores() -> usize {
+    const MOST: usize = 16;
+    let cores = super::window().navigator().hardware_concurrency() as usize;
+    cores.clamp(1, MOST)
+}
+
+/// The views still to be looked at, from which every hand takes the next when it is free.
+struct WorkList<T> {
+    next: Cell<usize>,
+    found: RefCell<Vec<Option<Spots>>>,
+    /// The first view that cannot be used, and why.
+    failed: RefCell<Option<(usize, Problem)>>,
+    done: Cell<usize>,
+    begun: f64,
+    tell: T,
+}
+
+impl<T: Fn(Progress)> WorkList<T> {
+    fn new(views: usize, tell: T) -> Self {
+        let list = Self {
+            next: Cell::new(0),
+            found: RefCell::new(vec![None; views]),
+            failed: RefCell::new(None),
+            done: Cell::new(0),
+            begun: super::now(),
+            tell,
+        };
+        list.report();
+        list
+    }
+
+    async fn work_off(&self, hand: &Hand, settings: Settings) {
+        while let Some(view) = self.take() {
+            match hand.observe(view, settings).await {
+                Ok(spots) => self.put(view, spots),
+                Err(problem) => self.fail(view, problem),
+            }
+        }
+    }
+
+    /// The next view, in their order; none after a failure.
+    fn take(&self) -> Option<usize> {
+        let view = self.next.get();
+        self.next.set(view + 1);
+        let is_left = view < self.found.borrow().len() && self.failed.borrow().is_none();
+        is_left.then_some(view)
+    }
+
+    fn put(&self, view: usize, spots: Spots) {
+        self.found.borrow_mut()[view] = Some(spots);
+        self.done.set(self.done.get() + 1);
+        self.report();
+    }
+
+    /// Every view before a failing one has been taken already and is finished, so of several failures
+    /// the same one is told each time, however many hands there are.
+    fn fail(&self, view: usize, problem: Problem) {
+        let mut failed = self.failed.borrow_mut();
+        if failed.as_ref().is_none_or(|(first, _)| view < *first) {
+            *failed = Some((view, problem));
+        }
+    }
+
+    fn report(&self) {
+        (self.tell)(Progress {
+            done: self.done.get(),
+            views: self.found.borrow().len(),
+            seconds: (super::now() - self.begun) / 1000.0,
+        });
+    }
+
+    fn spots(self) -> Result<Vec<Spots>, Problem> {
+        match self.failed.into_inner() {
+            Some((_, problem)) => Err(problem),
+            None => Ok(self.found.into_inner().into_iter().flatten().collect()),
+        }
+    }
+}
