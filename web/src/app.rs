@@ -6,6 +6,7 @@ use web_sys::{DragEvent, Element};
 
 use crate::files::{self, FILE_INPUT};
 use crate::history::History;
+use crate::lab::Lab;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
@@ -57,6 +58,7 @@ fn App() -> impl IntoView {
                 Screen::Result => view! { <ResultScreen /> }.into_any(),
             }}
         </main>
+        <Lab />
     }
 }
 

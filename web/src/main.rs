@@ -10,6 +10,7 @@ mod app;
 mod colours;
 mod files;
 mod history;
+mod lab;
 mod legend;
 mod measuring;
 mod number;

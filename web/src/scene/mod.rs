@@ -364,7 +364,7 @@ fn watch_size(canvas: &HtmlCanvasElement, stage: &Stage) {
 }
 
 /// Tells when the system goes over from light to dark or back.
-fn dark_mode() -> Trigger {
+pub(crate) fn dark_mode() -> Trigger {
     let trigger = Trigger::new();
     let list = web_sys::window().and_then(|window| {
         window
