@@ -18,6 +18,8 @@ pub mod cli;
 pub mod export;
 pub mod geometry;
 pub mod index;
+pub mod lab;
+pub mod measure;
 pub mod object;
 pub mod optics;
 pub mod pipeline;

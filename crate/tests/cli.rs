@@ -40,6 +40,51 @@ fn small_scan() -> Vec<u8> {
 }
 
 #[test]
+fn index_says_what_a_scan_cannot_tell_and_draws_the_curves() {
+    let (folder, scan) = (Folder::new(), small_scan());
+    let scan = folder.write("scan.zip", &scan);
+    let curves = folder.path("curves");
+    let arguments = ["index".into(), scan, "--output".into(), curves.clone()];
+    let done = snellius(&arguments);
+    assert_ends_with(&done, 0);
+    let table = said(&done.stdout);
+    for part in [
+        "ray-distance",
+        "not-determined",
+        "(D1)",
+        "remedy: pitch",
+        "water",
+    ] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let csv = fs::read_to_string(curves.join("ray-distance-plain.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 202);
+    let svg = fs::read_to_string(curves.join("ray-distance-plain.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("<polyline"));
+}
+
+/// Whoever asks for a method by name and gets no answer is told so by the exit code; the files are written.
+#[test]
+fn an_index_that_was_asked_for_and_is_not_determined_ends_with_1() {
+    let (folder, scan) = (Folder::new(), small_scan());
+    let scan = folder.write("scan.zip", &scan);
+    let output = folder.path("out");
+    let arguments = [
+        "reconstruct".into(),
+        scan,
+        "--index".into(),
+        "ray-distance".into(),
+        "--output".into(),
+        output.clone(),
+    ];
+    let error = assert_ends_with(&snellius(&arguments), 1);
+    assert!(error.contains("not determined by ray-distance"), "{error}");
+    let result = fs::read_to_string(output.join("result.json")).unwrap();
+    let result: Value = serde_json::from_str(&result).unwrap();
+    assert!(result["media"]["inside"]["value"].is_null());
+}
+
+#[test]
 fn reconstruct_writes_four_files_and_says_what_it_found() {
     let (folder, scan) = (Folder::new(), small_scan());
     let output = folder.path("new/out put");

@@ -354,7 +354,7 @@ fn line_scene(normal: [f64; 3]) -> Scene {
         inner_face: 45.0,
         object: 220.0,
         back: 0.0,
-        far_face: 0.0,
+        ..Brightness::default()
     };
     scene
 }

@@ -1,6 +1,10 @@
 //! Photographed scenes of every kind of wall, held against what the true wall would give on the same
 //! pictures.
 #![cfg(feature = "cli")]
+#![allow(
+    clippy::disallowed_methods,
+    reason = "expectations may come from the platform"
+)]
 
 mod common;
 

@@ -8,10 +8,11 @@
 mod common;
 
 use common::{Random, off_line};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use snellius::geometry::{Direction, Point, Ray, World};
 use snellius::optics::{
-    Cylinder, Interface, Media, Path, Sphere, Stack, Surface, TraceProblem, aim_through,
+    Base, Cylinder, Freeform, Grid, Interface, Media, Path, Sheet, Sphere, Stack, Surface,
+    TraceProblem, aim_through,
 };
 use snellius::scan::InsideMedium;
 use snellius::vessel::Wall;
@@ -279,5 +280,42 @@ fn a_wall_thicker_than_its_vessel_is_an_error() {
             error.to_string().contains("vessel.wall_thickness"),
             "{shape}: {error}"
         );
+    }
+}
+
+/// A free form without any height is what it stands on: light takes the same way through both.
+#[test]
+fn a_free_form_without_heights_bends_light_as_its_base_does() {
+    let mut random = Random::seeded(56);
+    let front = Point::new(0.0, 0.0, -350.0);
+    for (outer, shape) in vessels() {
+        let base = match &outer {
+            Surface::Cylinder(cylinder) => Base::on_cylinder(cylinder, front),
+            Surface::Sphere(sphere) => Base::on_sphere(sphere, front),
+            flat => panic!("{flat:?} is not round"),
+        };
+        let corner = |x: f64, y: f64| Vector2::new(90.0 * x, 90.0 * y);
+        let sheet = Sheet {
+            base: base.unwrap(),
+            grid: Grid {
+                start: corner(-1.0, -1.0),
+                step: Vector2::repeat(36.0),
+                columns: 8,
+                rows: 8,
+            },
+            heights: vec![0.0; 64],
+            patch: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(x, y)| corner(x, y))
+                .to_vec(),
+        };
+        let free = stack(Surface::Freeform(Freeform::new(sheet)), &MEDIA);
+        let round = stack(outer, &MEDIA);
+        for _ in 0..200 {
+            let light = light(&mut random);
+            let (here, there) = (free.trace(&light).unwrap(), round.trace(&light).unwrap());
+            assert!(here.origin.distance(there.origin) < 1e-9, "{shape}");
+            let turned = here.direction.vector() - there.direction.vector();
+            assert!(turned.norm() < 1e-11, "{shape}");
+        }
     }
 }

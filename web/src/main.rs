@@ -10,7 +10,9 @@ mod app;
 mod colours;
 mod files;
 mod history;
+mod lab;
 mod legend;
+mod measuring;
 mod number;
 mod pictures;
 mod progress;
@@ -21,6 +23,7 @@ mod shortcuts;
 mod stages;
 mod start;
 mod state;
+mod strip;
 mod table;
 
 use wasm_bindgen::JsCast;

@@ -46,6 +46,11 @@ pub(crate) fn StartScreen() -> impl IntoView {
                 </button>
             </Show>
             <Samples />
+            <p class="to-the-lab">
+                <a href="#lab" data-testid="open-lab">
+                    "Refraction lab"
+                </a> ": bend light with your own hands, see through glass and water, and find out what n is."
+            </p>
         </div>
     }
 }

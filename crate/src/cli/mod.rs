@@ -4,6 +4,7 @@
 //! program ends with 0, with 1 if the input is at fault, and with 2 if it was called wrongly.
 
 mod check;
+mod curves;
 mod export;
 mod files;
 mod index;

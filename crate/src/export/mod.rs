@@ -25,6 +25,7 @@ mod wall;
 pub use self::e57::object_e57;
 #[cfg(feature = "las")]
 pub use self::las::object_las;
+pub use crate::spots::SpotRole;
 pub use csv::{object_csv, points_csv};
 pub use format::{ExportError, Format};
 pub use glb::scene_glb;
@@ -35,7 +36,7 @@ pub use ply::{object_ply, vessel_ply};
 pub use report::report_html;
 pub use result::{
     BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
-    ReconstructionResult, RefusedResult, ResultError, ShapeChoiceResult, SpotResult, SpotRole,
-    Status, VesselResult, ViewResult, WallResult,
+    ReconstructionResult, RefusedResult, ResultError, ShapeChoiceResult, SpotResult, Status,
+    VesselResult, ViewResult, WallResult,
 };
 pub use stl::mesh_stl;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::index::{IndexMethod, Verdict};
 use crate::scan::{InsideMedium, LengthUnit, VesselShape};
+use crate::spots::SpotRole;
 
 /// Generates a struct of the result: public, serialisable, with a schema.
 macro_rules! result {
@@ -42,19 +43,6 @@ pub enum Status {
     NoObjectSpot,
     /// There are spots, and all of them were refused.
     Rejected,
-}
-
-/// What a spot is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum SpotRole {
-    /// It lies on the wall's outer face.
-    Vessel,
-    /// It lies on the object.
-    Object,
-    /// Neither.
-    Stray,
 }
 
 /// What a view gave: of a spot laser one value or none (`null`), of a line laser a list.

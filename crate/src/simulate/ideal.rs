@@ -23,9 +23,9 @@ impl Simulation {
         };
         let brightness = &self.scene.brightness;
         let mut spots = Vec::new();
-        if let Some(outer) = seen(landing.faces.first().copied(), 0) {
+        if let Some(outer) = seen(landing.outer(), 0) {
             let light = brightness.outer_face + brightness.inner_face;
-            let inner = seen(landing.faces.get(1).copied(), 1).unwrap_or(outer);
+            let inner = seen(landing.inner(), 1).unwrap_or(outer);
             let offset = Vector2::new(inner.u - outer.u, inner.v - outer.v);
             spots.push(self.spot(outer, offset, brightness.inner_face / light, light));
         }
@@ -39,6 +39,7 @@ impl Simulation {
         }
         Spots {
             spots,
+            said: Vec::new(),
             noise: self.scene.noise.read,
             line: None,
         }

@@ -53,6 +53,16 @@ struct Landing {
     back: Option<Point<World>>,
 }
 
+impl Landing {
+    fn outer(&self) -> Option<Point<World>> {
+        self.faces.first().copied()
+    }
+
+    fn inner(&self) -> Option<Point<World>> {
+        self.faces.get(1).copied()
+    }
+}
+
 /// Which vertex of a path lies on the front wall's inner face.
 const INNER: usize = 2;
 

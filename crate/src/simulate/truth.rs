@@ -103,9 +103,12 @@ fn sheet_truth(simulation: &Simulation, view: usize, sheet: &Sheet) -> TruthView
         .fan(sheet, &simulation.scan.rig.camera);
     let middles = fan.iter().map(|rays| &rays[rays.len() / 2].0);
     let landings: Vec<_> = middles.map(|ray| simulation.landing(view, ray)).collect();
-    let seen = |point, faces| seen(simulation, view, point, faces);
-    let vessel = landings.iter().map(|l| seen(l.faces.first().copied(), 0));
-    let object = landings.iter().map(|l| seen(l.object, simulation.faces()));
+    let vessel = landings
+        .iter()
+        .map(|l| seen(simulation, view, l.outer(), 0));
+    let object = landings
+        .iter()
+        .map(|l| seen(simulation, view, l.object, simulation.faces()));
     let (vessel, vessel_pixel) = vessel.flatten().unzip();
     let (object, object_pixel) = object.flatten().unzip();
     TruthView {

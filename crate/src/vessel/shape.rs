@@ -32,12 +32,6 @@ pub(super) fn fit(
     }
 }
 
-const SIMPLE: [VesselShape; 3] = [
-    VesselShape::Plane,
-    VesselShape::Sphere,
-    VesselShape::Cylinder,
-];
-
 /// The surface of a shape through points of which more than half lie on it; `None` where there is none.
 pub fn fit_shape(
     points: &[WeightedPoint<World>],
@@ -51,6 +45,12 @@ pub fn fit_shape(
 pub fn refit_shape(points: &[WeightedPoint<World>], near: &Surface) -> Option<Surface> {
     refit(points, near).map(|fit| fit.surface)
 }
+
+const SIMPLE: [VesselShape; 3] = [
+    VesselShape::Plane,
+    VesselShape::Sphere,
+    VesselShape::Cylinder,
+];
 
 fn fit_one(
     points: &[WeightedPoint<World>],

@@ -14,7 +14,8 @@ use web_sys::{
     Blob, BlobPropertyBag, ErrorEvent, MessageEvent, Url, Worker, WorkerOptions, WorkerType,
 };
 
-use super::messages::{Answer, PictureSet, Question, READY, Reply, Request};
+use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -104,8 +105,8 @@ impl Hand {
     }
 
     /// Has it measure vessel and object from the spots it keeps.
-    pub(crate) async fn measure(&self, settings: Settings) -> Result<Outcome, Problem> {
-        match self.ask(Request::Measure(settings)).await? {
+    pub(crate) async fn measure(&self, plan: &Plan) -> Result<Outcome, Problem> {
+        match self.ask(Request::Measure(Box::new(plan.clone()))).await? {
             Reply::Measured(outcome) => Ok(*outcome),
             _ => Err(unexpected()),
         }
@@ -115,6 +116,14 @@ impl Hand {
     pub(crate) async fn pictures(&self, view: usize) -> Result<PictureSet, Problem> {
         match self.ask(Request::Pictures { view }).await? {
             Reply::Pictures(pictures) => Ok(pictures),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it decode a view's picture, small.
+    pub(crate) async fn thumbnail(&self, view: usize) -> Result<Thumbnail, Problem> {
+        match self.ask(Request::Thumbnail { view }).await? {
+            Reply::Thumbnail(thumbnail) => Ok(thumbnail),
             _ => Err(unexpected()),
         }
     }

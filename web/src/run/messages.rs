@@ -11,6 +11,7 @@ use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -41,9 +42,11 @@ pub(crate) enum Request {
     /// Keep the spots of all views. Answered by `Kept`.
     Keep(Vec<Spots>),
     /// Measure vessel and object from the spots kept. Answered by `Measured`.
-    Measure(Settings),
+    Measure(Box<Plan>),
     /// Decode the pictures of a view. Answered by `Pictures`.
     Pictures { view: usize },
+    /// Decode a view's picture, small. Answered by `Thumbnail`.
+    Thumbnail { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
 }
@@ -58,6 +61,7 @@ pub(crate) enum Reply {
     Kept,
     Measured(Box<Outcome>),
     Pictures(PictureSet),
+    Thumbnail(Thumbnail),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
@@ -71,9 +75,19 @@ impl Reply {
         match self {
             Self::Pictures(set) => set.buffers(),
             Self::Written(bytes) => Array::of1(&bytes.buffer()),
+            Self::Thumbnail(thumbnail) => Array::of1(&thumbnail.pixels.buffer()),
             _ => Array::new(),
         }
     }
+}
+
+/// A view's picture with the laser on, small: RGBA, row by row.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct Thumbnail {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) pixels: Uint8ClampedArray,
 }
 
 /// The grey values of a pixel.

@@ -5,15 +5,16 @@ use std::io::BufReader;
 
 use js_sys::{Array, Uint8Array};
 use snellius::export::{Format, ReconstructionResult};
-use snellius::pipeline::{Settings, observe, reconstruct};
+use snellius::pipeline::{correct, observe, reconstruct};
 use snellius::scan::Archive;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
 
 use super::blob_reader::BlobReader;
-use super::develop::develop;
+use super::develop::{develop, thumbnail};
 use super::messages::{Answer, Question, READY, Reply, Request};
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -81,10 +82,13 @@ impl Desk {
                 self.spots = spots;
                 Ok(Reply::Kept)
             }
-            Request::Measure(settings) => self.measure(&settings),
+            Request::Measure(plan) => self.measure(&plan),
             Request::Pictures { view } => {
                 Ok(Reply::Pictures(develop(&self.archive()?.pictures(view)?)))
             }
+            Request::Thumbnail { view } => Ok(Reply::Thumbnail(thumbnail(
+                &self.archive()?.pictures(view)?.on,
+            ))),
             Request::Write(format) => self.write(format),
         }
     }
@@ -98,9 +102,10 @@ impl Desk {
         Ok(Reply::Opened(Box::new(facts)))
     }
 
-    fn measure(&mut self, settings: &Settings) -> Result<Reply, Problem> {
+    fn measure(&mut self, plan: &Plan) -> Result<Reply, Problem> {
+        correct(&mut self.spots, &plan.corrections);
         let scan = self.archive()?.scan().clone();
-        let reconstruction = reconstruct(&scan, &self.spots, settings)?;
+        let reconstruction = reconstruct(&scan, &self.spots, &plan.settings)?;
         if reconstruction.index.value.is_none() {
             return Err(Problem::index_wanted(
                 reconstruction.index.reason.as_deref(),
