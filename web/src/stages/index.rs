@@ -23,14 +23,17 @@ const LIQUIDS: [(&str, f64); 4] = [
 const SLIDER: [f64; 2] = [1.0, 1.8];
 const USUAL: f64 = 1.37;
 
-/// The index that is set, or else that the object shown was measured with.
+/// The index that is set, or else that the object shown was measured with; none while it is asked for.
 pub(super) fn present_index(workbench: Workbench) -> Option<f64> {
     let settings = workbench.settings.get();
     let given = workbench.facts.get().and_then(|facts| facts.given_index);
     let said = settings
         .index
         .or(given.filter(|_| settings.index_method.is_none()));
-    let used = || Some(workbench.outcome.get()?.index.value);
+    let used = || {
+        let outcome = workbench.outcome.get()?;
+        (!index_is_wanted(workbench)).then_some(outcome.index.value)
+    };
     said.or_else(used)
 }
 
@@ -42,7 +45,7 @@ fn rounded(index: f64) -> f64 {
 /// What the index is worth that is used.
 fn worth(workbench: Workbench) -> Option<String> {
     let index = workbench.outcome.get()?.index;
-    let settled = workbench.rerun.with(Option::is_none);
+    let settled = workbench.rerun.with(Option::is_none) && !index_is_wanted(workbench);
     settled.then(|| match index.sigma {
         Some(sigma) => format!(
             "\u{b1} {}, {}",
