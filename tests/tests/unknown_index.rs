@@ -37,10 +37,11 @@ fn with_manifest(archive: &Path, change: impl FnOnce(&mut Value)) -> Result<Vec<
         let mut entry = from.by_index(index)?;
         let mut content = Vec::new();
         entry.read_to_end(&mut content)?;
-        if entry.name() == "scan.json" {
+        let name = entry.name()?.into_owned();
+        if name == "scan.json" {
             content = serde_json::to_vec(&manifest)?;
         }
-        to.start_file(entry.name(), SimpleFileOptions::default())?;
+        to.start_file(name, SimpleFileOptions::default())?;
         to.write_all(&content)?;
     }
     Ok(to.finish()?.into_inner())
