@@ -148,7 +148,10 @@ fn light_through_a_free_form_takes_a_path_of_stationary_time() {
         let inner = path.vertices[2];
         let normal = stack.interfaces[1].surface.normal_at(inner).unwrap();
         let above = inner + normal * THICKNESS;
-        let places = [sheet.base.place(path.vertices[1]).0, sheet.base.place(above).0];
+        let places = [
+            sheet.base.place(path.vertices[1]).0,
+            sheet.base.place(above).0,
+        ];
         let time = |places: [Vector2<f64>; 2]| {
             let (outer, _) = sheet.at(places[0]);
             let (above, normal) = sheet.at(places[1]);
