@@ -19,12 +19,14 @@ pub mod export;
 pub mod geometry;
 pub mod index;
 pub mod lab;
+pub mod measure;
 pub mod object;
 pub mod optics;
 pub mod pipeline;
 pub mod rig;
 mod robust;
 pub mod scan;
+pub mod share;
 #[cfg(feature = "simulate")]
 pub mod simulate;
 pub mod spots;

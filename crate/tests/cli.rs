@@ -40,6 +40,51 @@ fn small_scan() -> Vec<u8> {
 }
 
 #[test]
+fn index_says_what_a_scan_cannot_tell_and_draws_the_curves() {
+    let (folder, scan) = (Folder::new(), small_scan());
+    let scan = folder.write("scan.zip", &scan);
+    let curves = folder.path("curves");
+    let arguments = ["index".into(), scan, "--output".into(), curves.clone()];
+    let done = snellius(&arguments);
+    assert_ends_with(&done, 0);
+    let table = said(&done.stdout);
+    for part in [
+        "ray-distance",
+        "not-determined",
+        "(D1)",
+        "remedy: pitch",
+        "water",
+    ] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let csv = fs::read_to_string(curves.join("ray-distance-plain.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 202);
+    let svg = fs::read_to_string(curves.join("ray-distance-plain.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("<polyline"));
+}
+
+/// Whoever asks for a method by name and gets no answer is told so by the exit code; the files are written.
+#[test]
+fn an_index_that_was_asked_for_and_is_not_determined_ends_with_1() {
+    let (folder, scan) = (Folder::new(), small_scan());
+    let scan = folder.write("scan.zip", &scan);
+    let output = folder.path("out");
+    let arguments = [
+        "reconstruct".into(),
+        scan,
+        "--index".into(),
+        "ray-distance".into(),
+        "--output".into(),
+        output.clone(),
+    ];
+    let error = assert_ends_with(&snellius(&arguments), 1);
+    assert!(error.contains("not determined by ray-distance"), "{error}");
+    let result = fs::read_to_string(output.join("result.json")).unwrap();
+    let result: Value = serde_json::from_str(&result).unwrap();
+    assert!(result["media"]["inside"]["value"].is_null());
+}
+
+#[test]
 fn reconstruct_writes_four_files_and_says_what_it_found() {
     let (folder, scan) = (Folder::new(), small_scan());
     let output = folder.path("new/out put");
@@ -61,7 +106,7 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
     assert_eq!(read("result.json"), result.to_json(), "the library's bytes");
 
     // What other programs read: the PLY header's counts and columns, one CSV line a view.
-    for (name, count, columns) in [("object.ply", 10, 7), ("vessel.ply", 10, 3)] {
+    for (name, count, columns) in [("object.ply", 10, 9), ("vessel.ply", 10, 3)] {
         let ply = read(name);
         let (header, body) = ply.split_once("end_header\n").unwrap();
         assert!(header.starts_with("ply\nformat ascii 1.0\n"), "{header}");
@@ -69,7 +114,7 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
             header.contains(&format!("element vertex {count}\n")),
             "{header}"
         );
-        assert_eq!(header.matches("property double").count(), columns);
+        assert_eq!(header.matches("\nproperty ").count(), columns);
         assert_eq!(body.lines().count(), count);
         assert!(
             body.lines().all(
@@ -84,6 +129,55 @@ fn reconstruct_writes_four_files_and_says_what_it_found() {
     let place = result.views[3].object.first().unwrap();
     assert!(lines[4].starts_with("0003,ok,"), "{}", lines[4]);
     assert!(lines[4].contains(&format!(",{},{},{},", place[0], place[1], place[2])));
+}
+
+#[test]
+fn formats_are_written_as_asked_from_a_scan_and_from_its_result_alike() {
+    let folder = Folder::new();
+    let scan = folder.write("scan.zip", &small_scan());
+    let (from_scan, from_result) = (folder.path("scan"), folder.path("result"));
+    let run = |command: &str, input: &std::path::Path, formats: &str, output: &std::path::Path| {
+        snellius(&[
+            OsStr::new(command),
+            input.as_ref(),
+            "--formats".as_ref(),
+            formats.as_ref(),
+            "--output".as_ref(),
+            output.as_ref(),
+        ])
+    };
+    let formats = "json,las,e57,glb,html";
+    let names = [
+        "result.json",
+        "object.las",
+        "object.e57",
+        "scene.glb",
+        "report.html",
+    ];
+    assert_ends_with(&run("reconstruct", &scan, formats, &from_scan), 0);
+    let result = from_scan.join("result.json");
+    assert_ends_with(&run("export", &result, formats, &from_result), 0);
+    for directory in [&from_scan, &from_result] {
+        assert_eq!(fs::read_dir(directory).unwrap().count(), names.len());
+    }
+    for name in names {
+        let read = |directory: &std::path::Path| fs::read(directory.join(name)).unwrap();
+        assert!(read(&from_scan) == read(&from_result), "{name} differs");
+    }
+
+    let wrong = assert_ends_with(&run("export", &result, "docx", &from_result), 2);
+    assert!(
+        wrong.contains("docx") && wrong.contains("vessel-ply"),
+        "{wrong}"
+    );
+    let archive = assert_ends_with(&run("export", &scan, "las", &from_result), 1);
+    assert!(archive.contains("snellius reconstruct"), "{archive}");
+    let broken = folder.write(
+        "broken.json",
+        br#"{"format":"refractive-reconstruction","version":"1"}"#,
+    );
+    let broken = assert_ends_with(&run("export", &broken, "las", &from_result), 1);
+    assert!(broken.contains("broken.json: version: "), "{broken}");
 }
 
 #[test]
@@ -284,7 +378,7 @@ fn scans_and_results_are_what_the_schemas_say() {
     let both: Value = serde_json::from_slice(&snellius(&["schema"]).stdout).unwrap();
     assert_eq!(
         both,
-        json!({ "scan": scan_schema, "result": result_schema })
+        json!({ "scan": scan_schema, "result": result_schema, "settings": schema("settings") })
     );
 
     let sample = fs::read(repository("samples/tank-paper.zip")).unwrap();

@@ -10,8 +10,8 @@ mod common;
 
 use common::{Random, assert_close, parallel_layers};
 use nalgebra::Vector3;
-use snellius::geometry::{Approach, Direction, Point, Ray, World, closest_approach};
-use snellius::optics::{Stack, aim_through};
+use snellius::geometry::{Approach, Direction, Plane, Point, Ray, World, closest_approach};
+use snellius::optics::{Cylinder, Interface, Sphere, Stack, Surface, aim_through};
 
 const WALL: f64 = 1.5;
 
@@ -156,6 +156,63 @@ fn at_equal_angles_the_ray_distance_is_0_for_every_index() {
             1.333,
         );
         assert_blind_but_moving(&rig);
+    }
+}
+
+/// Round walls have mirror planes too: any through a ball's middle or a jar's axis, and those across the
+/// axis. In one the rays meet for every index; so they do where a mirror swaps the two.
+#[test]
+fn before_round_walls_mirrors_make_the_ray_distance_0_for_every_index() {
+    let radius = 90.0;
+    let centre = Point::new(0.0, 0.0, radius);
+    let jar = |axis: [f64; 3]| {
+        Surface::Cylinder(Cylinder {
+            point: centre,
+            axis: Direction::new(axis.into()).unwrap(),
+            radius,
+        })
+    };
+    let ball = Surface::Sphere(Sphere { centre, radius });
+    let flat = Surface::Plane(Plane::new(
+        Point::origin(),
+        Direction::new([0.0, 0.0, -1.0].into()).unwrap(),
+    ));
+    let walls = [jar([0.0, 1.0, 0.0]), jar([1.0, 0.0, 0.0]), ball, flat];
+    // In the plane y = 0; and swapped by the mirror x = 0.
+    let in_plane = ([-150.0, 0.0, -380.0], [20.0, 0.0, -400.0], [9.0, 0.0, 60.0]);
+    let swapped = (
+        [-80.0, 60.0, -390.0],
+        [80.0, 60.0, -390.0],
+        [0.0, -9.0, 60.0],
+    );
+    for wall in &walls {
+        for (laser, camera, point) in [in_plane, swapped] {
+            let stack = |n: f64| Stack {
+                outside: 1.0,
+                interfaces: vec![
+                    Interface {
+                        surface: wall.clone(),
+                        index_behind: WALL,
+                    },
+                    Interface {
+                        surface: wall.behind(2.1).unwrap(),
+                        index_behind: n,
+                    },
+                ],
+            };
+            let towards = |from: [f64; 3]| {
+                let from = Point::from(from);
+                let aim = aim_through(&stack(1.333), from, Point::from(point)).unwrap();
+                Ray::new(from, aim)
+            };
+            let (beam, sight) = (towards(laser), towards(camera));
+            for n in [1.0, 1.2, 1.333, 1.5, 1.9] {
+                let there = stack(n);
+                let rays = (there.trace(&beam).unwrap(), there.trace(&sight).unwrap());
+                let gap = closest_approach(&rays.0, &rays.1).unwrap().gap;
+                assert!(gap.abs() < 1e-7, "l({n}) = {gap} behind {wall:?}");
+            }
+        }
     }
 }
 

@@ -7,6 +7,9 @@ use tempfile::TempDir;
 
 use crate::places;
 
+/// Every format that the page offers as well.
+const FORMATS: &str = "json,ply,vessel-ply,csv,object-csv,pcd,glb,stl,obj,html";
+
 /// What `snellius reconstruct` wrote.
 pub struct Output(TempDir);
 
@@ -19,6 +22,7 @@ impl Output {
             .arg(archive)
             .arg("--output")
             .arg(directory.path())
+            .args(["--formats", FORMATS])
             .args(more)
             .output()
             .context("cannot start the companion program")?;

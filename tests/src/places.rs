@@ -41,6 +41,18 @@ pub fn companion() -> Result<PathBuf> {
     Ok(program)
 }
 
+/// The npm package.
+pub fn npm_package() -> Result<PathBuf> {
+    let usual = || root().join("target").join("npm").join("snellius");
+    let package = variable("SNELLIUS_NPM").unwrap_or_else(usual);
+    ensure!(
+        package.join("package.json").is_file(),
+        "no npm package in {}; run `cargo xtask npm`",
+        package.display()
+    );
+    Ok(package)
+}
+
 /// The tests run from `target/debug/deps`.
 fn companion_beside_tests() -> Result<PathBuf> {
     let this = std::env::current_exe()?;

@@ -12,11 +12,17 @@ use snellius_tests::{
 };
 
 /// Download button, and the file that it and the companion program name alike.
-const FILES: [(&str, &str); 4] = [
+const FILES: [(&str, &str); 10] = [
     ("download-json", "result.json"),
     ("download-object-ply", "object.ply"),
     ("download-vessel-ply", "vessel.ply"),
     ("download-csv", "points.csv"),
+    ("download-object-csv", "object.csv"),
+    ("download-pcd", "object.pcd"),
+    ("download-glb", "scene.glb"),
+    ("download-stl", "surface.stl"),
+    ("download-obj", "surface.obj"),
+    ("download-html", "report.html"),
 ];
 
 fn smallest_sample() -> Result<PathBuf> {

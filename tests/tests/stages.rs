@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use snellius_tests::{
     Page,
+    companion::Output,
     places::samples,
     workbench::{RECONSTRUCTION, Workbench, part, with_workbench},
 };
@@ -58,6 +59,60 @@ fn result(workbench: &Workbench) -> Result<Value> {
     )?)
 }
 
+/// Types a number into a parameter's field.
+fn turn(workbench: &Workbench, parameter: &str, value: &str) -> Result<()> {
+    let field = part(parameter);
+    workbench.page.click(&field)?;
+    workbench.page.press("Control+a")?;
+    workbench.page.type_text(value)?;
+    workbench.page.press("Tab")
+}
+
+#[test]
+fn a_turned_parameter_runs_its_stage_and_those_after_it() -> Result<()> {
+    let archive = jar()?;
+    let expected = Output::of(&archive, &[])?.file("result.json")?;
+    with_workbench("parameters", |workbench| {
+        workbench.reconstruct(&archive)?;
+        let page = workbench.page;
+        watch_stages(page)?;
+        workbench
+            .page
+            .click("[data-testid=parameters-object] summary")?;
+        turn(workbench, "object.gap_sigmas", "1")?;
+        let fewer = "!document.querySelector('[data-state=running]:not(html)')
+            && !document.querySelector('[data-testid=summary]').innerText.includes('27 of 27')";
+        page.wait_long(RECONSTRUCTION, "fewer points", fewer)?;
+        assert_eq!(stages_that_ran(page)?, ["stage-object"]);
+        page.wait_text("[data-testid=parameters-object] summary", "1 changed")?;
+
+        workbench.page.click("[data-testid=stage-spots] summary")?;
+        workbench
+            .page
+            .click("[data-testid=parameters-spots] summary")?;
+        turn(workbench, "spots.smallest_area", "9")?;
+        wait_stage(workbench, "spots", "54 found")?;
+        page.screenshot("parameters")?;
+        let ran = stages_that_ran(page)?;
+        ensure!(ran.contains(&"stage-spots".to_owned()), "only {ran:?} ran");
+
+        // A value beyond the range changes nothing, and gives way to what is used.
+        turn(workbench, "spots.smallest_area", "100000")?;
+        let used = "document.getElementById('spots.smallest_area').value";
+        assert_eq!(page.value_of(used)?, "9");
+
+        workbench.click("reset-spots.smallest_area")?;
+        workbench.click("reset-object.gap_sigmas")?;
+        wait_stage(workbench, "object", "27 points")?;
+        let saved = workbench.download("download-json")?;
+        ensure!(
+            saved.bytes == expected,
+            "with everything reset the result is another"
+        );
+        Ok(())
+    })
+}
+
 #[test]
 fn another_shape_of_the_wall_is_tried_judged_and_taken_back_by_keyboard() -> Result<()> {
     with_workbench("wall-shape", |workbench| {
@@ -95,7 +150,7 @@ fn another_shape_of_the_wall_is_tried_judged_and_taken_back_by_keyboard() -> Res
         page.press("f")?;
         wait_stage(workbench, "vessel", "free form, ")?;
         page.click("tr.refused")?;
-        page.tab_to("[data-testid=spots] li")?;
+        page.tab_to("[data-testid=spots] li select")?;
         let note = page.text(&part("spot-note"))?;
         page.screenshot("spot-refused")?;
         let refused = "document.querySelector('tr.refused[aria-selected=true] .reason').innerText";

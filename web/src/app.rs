@@ -5,6 +5,7 @@ use leptos::{ev, html, mount};
 use web_sys::{DragEvent, Element};
 
 use crate::files::{self, FILE_INPUT};
+use crate::history::History;
 use crate::lab::Lab;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
@@ -77,7 +78,7 @@ fn Header() -> impl IntoView {
             </span>
             <Show when=move || screen.get() == Screen::Result>
                 <h1 class="scan-name">{name}</h1>
-                <History />
+                <HistoryButtons />
                 <button type="button" on:click=move |_| workbench.go_to_start()>
                     "Open another scan"
                 </button>
@@ -88,10 +89,10 @@ fn Header() -> impl IntoView {
 
 /// Undo and redo, and the keys.
 #[component]
-fn History() -> impl IntoView {
+fn HistoryButtons() -> impl IntoView {
     let workbench = Workbench::get();
-    let can_undo = move || workbench.history.with(|history| history.can_undo());
-    let can_redo = move || workbench.history.with(|history| history.can_redo());
+    let can_undo = move || workbench.history.with(History::can_undo);
+    let can_redo = move || workbench.history.with(History::can_redo);
     view! {
         <div class="history">
             <button

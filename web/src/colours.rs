@@ -31,6 +31,9 @@ pub(crate) enum Map {
     BothWays,
 }
 
+/// Where on the scale a point is that has no value: it is never hidden by it.
+pub(crate) const MIDDLE: f32 = 0.5;
+
 impl Scale {
     /// The scale that fits a result.
     pub(crate) fn of(facts: &Facts, outcome: &Outcome, by: ColourBy) -> Self {
@@ -61,21 +64,22 @@ impl Scale {
         })
     }
 
-    /// The colour of a point of the object; `None` where the colours are about other points.
+    /// The colour of a point of the object, and where it lies on the scale (0 to 1); `None` where the
+    /// colours are about other points.
     pub(crate) fn of_object(
         &self,
         facts: &Facts,
         by: ColourBy,
         point: &ObjectPoint,
-    ) -> Option<[u8; 3]> {
+    ) -> Option<([u8; 3], f32)> {
         match self {
             Self::Quantity(quantity) => Some(quantity.colour(value(by, point)?)),
-            Self::Sweeps(_) => Some(hue(facts.stations[point.view].sweep)),
+            Self::Sweeps(_) => Some((hue(facts.stations[point.view].sweep), MIDDLE)),
         }
     }
 
-    /// The colour of a point of the wall; `None` where the colours are about other points.
-    pub(crate) fn of_vessel(&self, by: ColourBy, point: &VesselPoint) -> Option<[u8; 3]> {
+    /// Likewise, of a point of the wall.
+    pub(crate) fn of_vessel(&self, by: ColourBy, point: &VesselPoint) -> Option<([u8; 3], f32)> {
         match self {
             Self::Quantity(quantity) if by == ColourBy::Residual => {
                 Some(quantity.colour(point.residual))
@@ -112,9 +116,10 @@ pub(crate) fn values(outcome: &Outcome, by: ColourBy) -> impl Iterator<Item = f3
 }
 
 impl Quantity {
-    /// The colour of a value.
-    pub(crate) fn colour(&self, value: f32) -> [u8; 3] {
-        self.map.at(self.fraction(value))
+    /// The colour of a value, and where it lies from `low` (0) to `high` (1).
+    fn colour(&self, value: f32) -> ([u8; 3], f32) {
+        let fraction = self.fraction(value).clamp(0.0, 1.0);
+        (self.map.at(fraction), fraction)
     }
 
     /// Where a value lies from `low` (0) to `high` (1).
@@ -122,7 +127,7 @@ impl Quantity {
         if self.high > self.low {
             (value - self.low) / (self.high - self.low)
         } else {
-            0.5
+            MIDDLE
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Files on their way into the page and out of it.
 
-use js_sys::Array;
+use js_sys::{Array, Uint8Array};
 use leptos::prelude::document;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -69,11 +69,11 @@ pub(crate) async fn fetch_json(address: &str) -> Result<JsValue, String> {
         .map_err(|_| "it is no JSON".to_owned())
 }
 
-/// Saves a text as a file, as the browser saves downloads.
-pub(crate) fn save(text: &str, name: &str, kind: &str) -> Result<(), JsValue> {
+/// Saves bytes as a file, as the browser saves downloads.
+pub(crate) fn save(bytes: &Uint8Array, name: &str, kind: &str) -> Result<(), JsValue> {
     let options = BlobPropertyBag::new();
     options.set_type(kind);
-    let blob = Blob::new_with_str_sequence_and_options(&Array::of1(&text.into()), &options)?;
+    let blob = Blob::new_with_u8_array_sequence_and_options(&Array::of1(bytes), &options)?;
     let address = Url::create_object_url_with_blob(&blob)?;
     let link: HtmlAnchorElement = document().create_element("a")?.unchecked_into();
     link.set_href(&address);

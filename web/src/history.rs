@@ -1,19 +1,19 @@
 //! What was set before, so that every change of the result can be taken back.
 
-use snellius::pipeline::Settings;
+use crate::run::Plan;
 
-/// The settings before and after the present ones.
+/// The plans before and after the present one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct History {
-    past: Vec<Settings>,
-    future: Vec<Settings>,
+    past: Vec<Plan>,
+    future: Vec<Plan>,
     /// What is being turned: a drag through a hundred values is one change.
     turning: Option<&'static str>,
 }
 
 impl History {
-    /// Remembers the settings before a change of `what`.
-    pub(crate) fn note(&mut self, what: &'static str, before: Settings) {
+    /// Remembers the plan before a change of `what`.
+    pub(crate) fn note(&mut self, what: &'static str, before: Plan) {
         if self.turning != Some(what) {
             self.past.push(before);
         }
@@ -26,16 +26,16 @@ impl History {
         self.turning = None;
     }
 
-    /// The settings before the last change, in exchange for the present ones.
-    pub(crate) fn undo(&mut self, now: Settings) -> Option<Settings> {
+    /// The plan before the last change, in exchange for the present one.
+    pub(crate) fn undo(&mut self, now: Plan) -> Option<Plan> {
         self.turning = None;
         let before = self.past.pop()?;
         self.future.push(now);
         Some(before)
     }
 
-    /// The settings before the last undo, in exchange for the present ones.
-    pub(crate) fn redo(&mut self, now: Settings) -> Option<Settings> {
+    /// The plan before the last undo, in exchange for the present one.
+    pub(crate) fn redo(&mut self, now: Plan) -> Option<Plan> {
         self.turning = None;
         let after = self.future.pop()?;
         self.past.push(now);

@@ -2,11 +2,12 @@
 
 use leptos::prelude::*;
 
-use crate::colours::{Quantity, Scale, css, hue};
+use crate::colours::{Quantity, Scale, css, hue, values};
 use crate::number::fixed;
 use crate::state::Workbench;
 
-/// The legend of the colours.
+/// The legend of the colours. That of a quantity shows how often each value occurs, and hides points
+/// beyond two handles.
 #[component]
 pub(crate) fn Legend() -> impl IntoView {
     let workbench = Workbench::get();
@@ -14,10 +15,15 @@ pub(crate) fn Legend() -> impl IntoView {
         let (facts, outcome) = (workbench.facts.get()?, workbench.outcome.get()?);
         Some(Scale::of(&facts, &outcome, workbench.colour_by.get()))
     });
+    // What was hidden by one quantity is not what another hides.
+    Effect::new(move |_| {
+        workbench.colour_by.track();
+        workbench.shown_range.set([0.0, 1.0]);
+    });
     view! {
         <div class="legend" data-testid="legend">
             {move || match scale.get() {
-                Some(Scale::Quantity(shown)) => quantity(&shown).into_any(),
+                Some(Scale::Quantity(shown)) => view! { <QuantityLegend shown /> }.into_any(),
                 Some(Scale::Sweeps(count)) => sweeps(count).into_any(),
                 None => ().into_any(),
             }}
@@ -25,24 +31,119 @@ pub(crate) fn Legend() -> impl IntoView {
     }
 }
 
-fn quantity(shown: &Quantity) -> impl IntoView + use<> {
-    let Quantity {
-        name,
-        unit,
-        low,
-        high,
-        map,
-    } = *shown;
-    let digits = if high.abs() < 10.0 { 3 } else { 1 };
-    let end = |value: f32| fixed(f64::from(value), digits);
+#[component]
+fn QuantityLegend(shown: Quantity) -> impl IntoView {
+    let workbench = Workbench::get();
+    let (map, name, unit) = (shown.map, shown.name, shown.unit);
+    let fractions = {
+        let shown = shown.clone();
+        Memo::new(move |_| {
+            let (outcome, by) = (workbench.outcome.get(), workbench.colour_by.get());
+            let values = outcome.iter().flat_map(|outcome| values(outcome, by));
+            values
+                .map(|value| shown.fraction(value).clamp(0.0, 1.0))
+                .collect::<Vec<_>>()
+        })
+    };
+    let bars = move || {
+        let counts = fractions.with(|fractions| histogram(fractions));
+        let most = counts.iter().copied().max().unwrap_or(1).max(1) as f64;
+        let [low, high] = workbench.shown_range.get();
+        let bar = |(index, count): (usize, &usize)| {
+            let middle = (index as f32 + 0.5) / BINS as f32;
+            let height = HEIGHT * (*count as f64 / most).sqrt();
+            view! {
+                <rect
+                    x=index
+                    y=HEIGHT - height
+                    width="1"
+                    height=height
+                    fill=css(map.at(middle))
+                    opacity=if (low..=high).contains(&middle) { "1" } else { "0.25" }
+                />
+            }
+        };
+        counts.iter().enumerate().map(bar).collect_view()
+    };
+    let count = move || {
+        let [low, high] = workbench.shown_range.get();
+        let within = |fractions: &Vec<f32>| {
+            let within = fractions.iter().filter(|f| (low..=high).contains(*f));
+            (within.count(), fractions.len())
+        };
+        let (within, all) = fractions.with(within);
+        (within < all).then(|| format!("{within} of {all} points"))
+    };
+    let digits = if shown.high.abs() < 10.0 { 3 } else { 1 };
+    let value_at = move |fraction: f32| {
+        fixed(
+            f64::from(shown.low + fraction * (shown.high - shown.low)),
+            digits,
+        )
+    };
+    let handle = move |(end, test_id, says): (usize, &'static str, &'static str)| {
+        let slide = move |event| {
+            if let Ok(fraction) = event_target_value(&event).parse::<f32>() {
+                workbench.shown_range.update(|range| {
+                    let other = range[1 - end];
+                    range[end] = if end == 0 {
+                        fraction.min(other)
+                    } else {
+                        fraction.max(other)
+                    };
+                });
+            }
+        };
+        view! {
+            <input
+                type="range"
+                min="0"
+                max="1"
+                step="0.01"
+                data-testid=test_id
+                aria-label=format!("{says}: {name}, {unit}")
+                aria-valuetext=move || value_at(workbench.shown_range.get()[end])
+                prop:value=move || workbench.shown_range.get()[end].to_string()
+                on:input=slide
+            />
+        }
+    };
     view! {
-        <p class="legend-title">{format!("{name}, {unit}")}</p>
-        <div class="ramp" style:background=map.gradient()></div>
+        <p class="legend-title">
+            {format!("{name}, {unit}")}
+            <span class="legend-count">{count}</span>
+        </p>
+        <svg
+            class="histogram"
+            viewBox=format!("0 0 {BINS} {HEIGHT}")
+            preserveAspectRatio="none"
+            aria-hidden="true"
+        >
+            {bars}
+        </svg>
+        <div class="brush" role="group" aria-label="Points to be shown">
+            <div class="ramp" style:background=map.gradient()></div>
+            {handle((0, "hide-below", "Hide points below"))}
+            {handle((1, "hide-above", "Hide points above"))}
+        </div>
         <p class="ends">
-            <span>{end(low)}</span>
-            <span>{end(high)}</span>
+            <span>{move || value_at(workbench.shown_range.get()[0])}</span>
+            <span>{move || value_at(workbench.shown_range.get()[1])}</span>
         </p>
     }
+}
+
+/// How many bars a histogram has.
+const BINS: usize = 32;
+/// How high it is, in bars' widths.
+const HEIGHT: f64 = 6.0;
+
+fn histogram(fractions: &[f32]) -> [usize; BINS] {
+    let mut counts = [0; BINS];
+    for fraction in fractions {
+        counts[((fraction * BINS as f32) as usize).min(BINS - 1)] += 1;
+    }
+    counts
 }
 
 fn sweeps(count: usize) -> impl IntoView {

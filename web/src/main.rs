@@ -12,6 +12,7 @@ mod files;
 mod history;
 mod lab;
 mod legend;
+mod measuring;
 mod number;
 mod pictures;
 mod progress;
@@ -22,6 +23,7 @@ mod shortcuts;
 mod stages;
 mod start;
 mod state;
+mod strip;
 mod table;
 
 use wasm_bindgen::JsCast;

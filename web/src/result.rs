@@ -6,6 +6,7 @@ use crate::pictures::Pictures;
 use crate::scene::Scene;
 use crate::stages::Stages;
 use crate::state::Workbench;
+use crate::strip::Strip;
 use crate::table::ViewsTable;
 
 /// The result screen.
@@ -22,8 +23,9 @@ pub(crate) fn ResultScreen() -> impl IntoView {
                 <Stages />
             </div>
             <Show when=move || is_measured.get()>
-                <ViewsTable />
+                <Strip />
                 <Pictures />
+                <ViewsTable />
             </Show>
         </div>
     }

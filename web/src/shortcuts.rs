@@ -43,7 +43,7 @@ const fn control(key: &'static str, shift: bool) -> Keys {
     }
 }
 
-const SHORTCUTS: [Shortcut; 19] = [
+const SHORTCUTS: [Shortcut; 21] = [
     anywhere("?", "Show these keys", plain("?"), |w| w.help.set(true)),
     anywhere(
         "Ctrl Z",
@@ -74,10 +74,10 @@ const SHORTCUTS: [Shortcut; 19] = [
         },
     ),
     anywhere("1", "Look from the rig", plain("1"), |w| {
-        look(w, Look::Front)
+        look(w, Look::Front);
     }),
     anywhere("3", "Look from the side", plain("3"), |w| {
-        look(w, Look::Side)
+        look(w, Look::Side);
     }),
     anywhere("7", "Look from above", plain("7"), |w| look(w, Look::Above)),
     anywhere("5", "With or without perspective", plain("5"), |w| {
@@ -87,6 +87,13 @@ const SHORTCUTS: [Shortcut; 19] = [
         w.refraction
             .update(|r| *r = if *r > 0.5 { 0.0 } else { 1.0 });
     }),
+    anywhere(
+        "M",
+        "Measure with the chosen view's point, or no more",
+        plain("m"),
+        Workbench::pick_chosen,
+    ),
+    within("scene", "Ctrl and drag", "Measure with the points within"),
     within("scene", "Left drag, arrow keys", "Turn"),
     within(
         "scene",

@@ -5,14 +5,17 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use futures::future::{AbortHandle, Aborted, Either, abortable, select};
+use js_sys::Uint8Array;
 use leptos::prelude::*;
-use snellius::pipeline::{Settings, Stage};
+use snellius::export::{Format, SpotRole};
+use snellius::pipeline::{Correction, Settings, Stage};
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
 use crate::history::History;
+use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    Facts, FileKind, Lab, Outcome, PictureSet, Problem, ProblemKind, Progress, sleep,
+    Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Thumbnail, sleep,
 };
 
 /// What the colours in the scene mean.
@@ -86,8 +89,10 @@ pub(crate) struct Workbench {
     pub(crate) outcome: RwSignal<Option<Arc<Outcome>>>,
     /// Why the settings give nothing; the outcome is then that of earlier ones.
     pub(crate) stage_problem: RwSignal<Option<Problem>>,
-    /// How it is measured.
+    /// How it is measured: what is turned,
     pub(crate) settings: RwSignal<Settings>,
+    /// and what is said of spots.
+    pub(crate) corrections: RwSignal<Vec<Correction>>,
     /// Changed settings that are being measured.
     pub(crate) rerun: RwSignal<Option<Rerun>>,
     /// The settings before these.
@@ -98,6 +103,10 @@ pub(crate) struct Workbench {
     pub(crate) pictures: RwSignal<Option<PictureSet>, LocalStorage>,
     /// What the colours mean.
     pub(crate) colour_by: RwSignal<ColourBy>,
+    /// What is being measured in the scene.
+    pub(crate) measuring: RwSignal<Measuring>,
+    /// Points beyond these fractions of the colours are hidden.
+    pub(crate) shown_range: RwSignal<[f32; 2]>,
     /// The object is shown where it is (1), where it would be without refraction (0), or between.
     pub(crate) refraction: RwSignal<f32>,
     /// The scene without perspective.
@@ -110,8 +119,10 @@ pub(crate) struct Workbench {
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
-    /// The settings that were measured last, whatever came of it.
-    measured: StoredValue<Settings>,
+    /// The plan that was measured last, whatever came of it.
+    measured: StoredValue<Plan>,
+    /// The plan that gave what is shown.
+    shown: StoredValue<Plan>,
 }
 
 impl Workbench {
@@ -124,11 +135,14 @@ impl Workbench {
             outcome: RwSignal::new(None),
             stage_problem: RwSignal::new(None),
             settings: RwSignal::new(Settings::default()),
+            corrections: RwSignal::new(Vec::new()),
             rerun: RwSignal::new(None),
             history: RwSignal::new(History::default()),
             chosen: RwSignal::new(None),
             pictures: RwSignal::new_local(None),
             colour_by: RwSignal::new(ColourBy::RayDistance),
+            measuring: RwSignal::new(Measuring::default()),
+            shown_range: RwSignal::new([0.0, 1.0]),
             refraction: RwSignal::new(1.0),
             orthographic: RwSignal::new(false),
             command: RwSignal::new(None),
@@ -136,7 +150,8 @@ impl Workbench {
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
-            measured: StoredValue::new(Settings::default()),
+            measured: StoredValue::new(Plan::default()),
+            shown: StoredValue::new(Plan::default()),
         }
     }
 
@@ -214,7 +229,7 @@ impl Workbench {
         let tell = move |progress| self.progress.set(Some(progress));
         let first_run = async move {
             let lab = Lab::open(file).await?;
-            let outcome = lab.measure(Settings::default(), tell).await;
+            let outcome = lab.measure(&Plan::default(), tell).await;
             Ok((lab, outcome))
         };
         let (running, handle) = abortable(first_run);
@@ -265,8 +280,10 @@ impl Workbench {
         self.facts.set(Some(Arc::new(lab.facts().clone())));
         self.lab.set_value(Some(Rc::new(lab)));
         self.settings.set(Settings::default());
+        self.corrections.set(Vec::new());
         self.history.set(History::default());
-        self.measured.set_value(Settings::default());
+        self.measuring.set(Measuring::default());
+        self.measured.set_value(Plan::default());
         self.stage_problem.set(None);
         self.pictures.set(None);
         self.chosen.set(None);
@@ -278,7 +295,7 @@ impl Workbench {
         {
             self.problem.set(Some(problem.clone()));
         }
-        self.take(outcome);
+        self.take(Plan::default(), outcome);
     }
 
     /// The view in the middle of the scan that has an object point: there is something to see at once.
@@ -316,6 +333,38 @@ impl Workbench {
         });
     }
 
+    /// Picks a point to measure with, or lets go of it.
+    pub(crate) fn pick(self, point: Picked) {
+        if self.measuring.with_untracked(Measuring::is_on) {
+            self.measuring.update(|measuring| measuring.toggle(point));
+        }
+    }
+
+    /// Picks the points of the chosen view.
+    pub(crate) fn pick_chosen(self) {
+        let Some(view) = self.chosen.get_untracked() else {
+            return;
+        };
+        let points = self.outcome.with_untracked(|outcome| {
+            outcome
+                .as_ref()
+                .map_or(0, |outcome| outcome.points_of(view).len())
+        });
+        if points == 1 {
+            self.pick((view, 0));
+        } else if self.measuring.with_untracked(Measuring::is_on) {
+            let points = (0..points).map(|index| (view, index));
+            self.measuring.update(|measuring| measuring.add(points));
+        }
+    }
+
+    /// A view's picture, small; `None` if the scan is gone by then.
+    pub(crate) async fn thumbnail(self, view: usize) -> Option<Result<Thumbnail, Problem>> {
+        let lab = self.lab.get_value()?;
+        let thumbnail = lab.thumbnail(view).await;
+        self.is_current(&lab).then_some(thumbnail)
+    }
+
     /// Chooses the next view, or the one before.
     pub(crate) fn step(self, by: isize) {
         let views = self
@@ -330,15 +379,47 @@ impl Workbench {
         }
     }
 
+    /// How the scan is to be measured.
+    fn plan(self) -> Plan {
+        Plan {
+            settings: self.settings.get_untracked(),
+            corrections: self.corrections.get_untracked(),
+        }
+    }
+
     /// Changes the settings and measures again, live. `what` names the change: as long as the same thing
     /// is being turned, it is one step of the history.
     pub(crate) fn change(self, what: &'static str, change: impl FnOnce(&mut Settings)) {
-        let before = self.settings.get_untracked();
-        let mut settings = before;
-        change(&mut settings);
-        if settings != before {
+        let mut plan = self.plan();
+        change(&mut plan.settings);
+        self.follow(what, plan);
+    }
+
+    /// Says what a spot of a view is, or (`None`) leaves it to the program, and measures again.
+    pub(crate) fn say(self, view: usize, pixel: [f64; 2], role: Option<SpotRole>) {
+        let mut plan = self.plan();
+        plan.corrections.retain(|said| !is_about(said, view, pixel));
+        plan.corrections
+            .extend(role.map(|role| Correction { view, pixel, role }));
+        self.follow("spot", plan);
+        self.let_go();
+    }
+
+    /// What was said of a spot of a view.
+    pub(crate) fn said_of(self, view: usize, pixel: [f64; 2]) -> Option<SpotRole> {
+        self.corrections.with(|corrections| {
+            let said = corrections
+                .iter()
+                .find(|said| is_about(said, view, pixel))?;
+            Some(said.role)
+        })
+    }
+
+    fn follow(self, what: &'static str, plan: Plan) {
+        let before = self.plan();
+        if plan != before {
             self.history.update(|history| history.note(what, before));
-            self.apply(settings);
+            self.apply(plan);
         }
     }
 
@@ -349,7 +430,7 @@ impl Workbench {
 
     /// Takes the last change back.
     pub(crate) fn undo(self) {
-        let now = self.settings.get_untracked();
+        let now = self.plan();
         if let Some(Some(before)) = self.history.try_update(|history| history.undo(now)) {
             self.apply(before);
         }
@@ -357,14 +438,15 @@ impl Workbench {
 
     /// Makes the change again that was taken back.
     pub(crate) fn redo(self) {
-        let now = self.settings.get_untracked();
+        let now = self.plan();
         if let Some(Some(after)) = self.history.try_update(|history| history.redo(now)) {
             self.apply(after);
         }
     }
 
-    fn apply(self, settings: Settings) {
-        self.settings.set(settings);
+    fn apply(self, plan: Plan) {
+        self.settings.set(plan.settings);
+        self.corrections.set(plan.corrections);
         if self.rerun.get_untracked().is_none() {
             spawn_local(self.keep_up());
         }
@@ -372,7 +454,7 @@ impl Workbench {
 
     /// Measures until what was measured is what is set.
     async fn keep_up(self) {
-        while let Some((lab, settings, stage)) = self.open_change() {
+        while let Some((lab, plan, stage)) = self.open_change() {
             self.rerun.set(Some(Rerun {
                 stage,
                 progress: Progress::default(),
@@ -382,42 +464,45 @@ impl Workbench {
                 let stage = if found { Stage::Vessel } else { Stage::Spots };
                 self.rerun.set(Some(Rerun { stage, progress }));
             };
-            let run = pin!(lab.measure(settings, tell));
-            let newer = pin!(self.newer_settings(settings));
+            let run = pin!(lab.measure(&plan, tell));
+            let newer = pin!(self.newer_plan(&plan));
             // A run that is dropped here ends.
             if let Either::Left((outcome, _)) = select(run, newer).await
                 && self.is_current(&lab)
             {
-                self.measured.set_value(settings);
-                self.take(outcome);
+                self.measured.set_value(plan.clone());
+                self.take(plan.clone(), outcome);
             }
         }
         self.rerun.set(None);
     }
 
-    /// Settings that are not measured yet, and the first stage they concern.
-    fn open_change(self) -> Option<(Rc<Lab>, Settings, Stage)> {
+    /// A plan that is not measured yet, and the first stage it concerns.
+    fn open_change(self) -> Option<(Rc<Lab>, Plan, Stage)> {
         let lab = self.lab.get_value()?;
-        let settings = self.settings.get_untracked();
-        let stage = self.measured.get_value().first_changed(&settings)?;
-        Some((lab, settings, stage))
+        let plan = self.plan();
+        let stage = self
+            .measured
+            .with_value(|measured| measured.first_changed(&plan))?;
+        Some((lab, plan, stage))
     }
 
-    /// Ends when the settings are no longer these. A quick run has the time to end before: its result is
+    /// Ends when the plan is no longer this one. A quick run has the time to end before: its result is
     /// seen while a slider moves.
-    async fn newer_settings(self, than: Settings) {
+    async fn newer_plan(self, than: &Plan) {
         const QUICK: i32 = 300;
         const LOOK: i32 = 40;
         sleep(QUICK).await;
-        while self.settings.get_untracked() == than {
+        while self.plan() == *than {
             sleep(LOOK).await;
         }
     }
 
     /// Shows what was measured. If that failed, what was there before stays.
-    fn take(self, outcome: Result<Outcome, Problem>) {
+    fn take(self, plan: Plan, outcome: Result<Outcome, Problem>) {
         match outcome {
             Ok(outcome) => {
+                self.shown.set_value(plan);
                 self.stage_problem.set(None);
                 self.outcome.set(Some(Arc::new(outcome)));
                 if self.chosen.get_untracked().is_none() {
@@ -429,15 +514,15 @@ impl Workbench {
         }
     }
 
-    /// Writes a file of what is set. Settings that were changed just now are measured first.
-    pub(crate) async fn write(self, kind: FileKind) -> Result<String, Problem> {
+    /// Writes a file of what is shown. Settings that were changed just now are measured first.
+    pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
             sleep(LOOK).await;
         }
         let lab = self.lab.get_value();
         let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
-        lab.write(kind, self.settings.get_untracked()).await
+        lab.write(format, &self.shown.get_value()).await
     }
 
     fn is_current(self, lab: &Rc<Lab>) -> bool {
@@ -447,4 +532,11 @@ impl Workbench {
                 .is_some_and(|current| Rc::ptr_eq(current, lab))
         })
     }
+}
+
+/// Whether something was said of the spot at a pixel.
+fn is_about(said: &Correction, view: usize, pixel: [f64; 2]) -> bool {
+    const SAME: f64 = 3.0;
+    let off = [0, 1].map(|axis| (said.pixel[axis] - pixel[axis]).abs());
+    said.view == view && off[0].max(off[1]) <= SAME
 }

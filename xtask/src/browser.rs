@@ -3,9 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
-use crate::process::{find_in_path, output_of, program, run};
+use crate::packages;
+use crate::process::{find_in_path, output_of, program};
 
 /// The two programs that browser tests need.
 #[derive(Debug)]
@@ -71,36 +72,8 @@ fn works(candidate: &Path) -> bool {
 }
 
 fn install() -> Result<()> {
-    let Some(become_root) = way_to_root() else {
-        bail!("Chromium and chromedriver are missing. {}", advice());
-    };
-    println!("installing Chromium and chromedriver from the distribution's packages");
-    apt_get(&become_root, &["update"])?;
-    apt_get(
-        &become_root,
-        &["install", "-y", "chromium", "chromium-driver"],
-    )
-    .with_context(|| format!("cannot install Chromium. {}", advice()))
-}
-
-fn apt_get(become_root: &[&str], arguments: &[&str]) -> Result<()> {
-    let words = [
-        become_root,
-        &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get"],
-        arguments,
-    ]
-    .concat();
-    run(program(words[0]).args(&words[1..]))
-}
-
-/// What to put before `apt-get`: nothing as root, sudo where it asks no password.
-fn way_to_root() -> Option<Vec<&'static str>> {
-    find_in_path("apt-get")?;
-    let user = output_of(program("id").arg("-u"))?;
-    if user.trim() == "0" {
-        return Some(vec![]);
-    }
-    output_of(program("sudo").args(["-n", "true"])).map(|_| vec!["sudo", "-n"])
+    packages::install(&["chromium", "chromium-driver"])
+        .with_context(|| format!("Chromium and chromedriver are missing. {}", advice()))
 }
 
 fn advice() -> &'static str {

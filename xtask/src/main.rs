@@ -6,6 +6,10 @@
 //! | `tools.rs` | Trunk and the wasm-bindgen programs, built once into the user's cache |
 //! | `pins.rs` | which versions of them, read from `Trunk.toml` |
 //! | `browser.rs` | Chromium and chromedriver: find them, or install them |
+//! | `python.rs` | other people's readers of our exports, in a virtual environment |
+//! | `packages.rs`, `cache.rs` | the distribution's packages; where what was built once is kept |
+//! | `dist.rs` | what is published, with every address relative |
+//! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
 //! | `page.rs` | the page through Trunk |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
@@ -17,13 +21,19 @@
 
 mod bench;
 mod browser;
+mod cache;
+mod dist;
+mod npm;
+mod packages;
 mod page;
 mod pins;
 mod process;
+mod python;
 mod serve;
 mod setup;
 mod test;
 mod tools;
+mod typescript;
 
 use std::process::ExitCode;
 
@@ -35,6 +45,8 @@ cargo xtask COMMAND
 
   serve [--port N] [--release | --debug]   build the page, serve it, print its address
   test [--only STEP]... [-- ARGUMENTS]     every check, in order; ARGUMENTS go to the tests of a single STEP
+  dist                                     the page as static files in dist/, for any folder of any host
+  npm                                      the core as an npm package in target/npm/snellius
   bench [-- ARGUMENTS]                     the core's benchmarks
   setup                                    only install what the others need
   help                                     this text
@@ -61,6 +73,14 @@ fn run() -> Result<()> {
     match command.as_str() {
         "serve" => serve::run(&serve::Options::parse(arguments)?),
         "test" => test::run(&test::Options::parse(arguments)?),
+        "dist" => {
+            no_more(arguments)?;
+            dist::run()
+        }
+        "npm" => {
+            no_more(arguments)?;
+            npm::build()
+        }
         "bench" => bench::run(arguments),
         "setup" => {
             no_more(arguments)?;

@@ -103,8 +103,12 @@ pub(crate) struct Count {
 }
 
 impl Count {
-    /// Adds what a closing line of `cargo test` says; other lines add nothing.
+    /// Adds what a closing line of `cargo test`, or one of `node --test`, says; other lines add nothing.
     pub(crate) fn add_line(&mut self, line: &str) {
+        let number_after = |word: &str| line.strip_prefix(word)?.trim().parse::<usize>().ok();
+        self.passed += number_after("# pass ").unwrap_or(0);
+        self.failed += number_after("# fail ").unwrap_or(0);
+        self.ignored += number_after("# skipped ").unwrap_or(0);
         let Some((_, results)) = line.split_once("test result: ") else {
             return;
         };
@@ -168,6 +172,26 @@ mod tests {
         count.add_line("test result: FAILED. 2 passed; 1 failed; 0 ignored; 0 filtered out");
         let expected = Count {
             passed: 14,
+            failed: 1,
+            ignored: 1,
+        };
+        assert_eq!(count, expected);
+    }
+
+    #[test]
+    fn closing_lines_of_node_count_as_well() {
+        let mut count = Count::default();
+        for line in [
+            "# tests 8",
+            "# pass 6",
+            "# fail 1",
+            "# skipped 1",
+            "ok 1 - # pass 3",
+        ] {
+            count.add_line(line);
+        }
+        let expected = Count {
+            passed: 6,
             failed: 1,
             ignored: 1,
         };

@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use crate::{
     browser,
     process::{cargo, output_of, program, run},
+    python,
     tools::Tools,
 };
 
@@ -19,6 +20,7 @@ pub(crate) fn everything() -> Result<()> {
     components()?;
     page_tools()?;
     browser::find_or_install()?;
+    python::ensure()?;
     println!("everything is there");
     Ok(())
 }

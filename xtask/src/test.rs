@@ -3,6 +3,7 @@
 use std::{
     ffi::OsString,
     fs,
+    path::PathBuf,
     process::Command,
     time::{Duration, Instant},
 };
@@ -11,9 +12,11 @@ use anyhow::{Context, Result, bail, ensure};
 use lexopt::prelude::*;
 
 use crate::{
-    browser,
-    page::{self, Profile},
-    process::{Count, build_directory, cargo, executable, root, run as run_to_end, run_tests},
+    browser, dist, npm, page,
+    process::{
+        Count, build_directory, cargo, executable, program, root, run as run_to_end, run_tests,
+    },
+    python,
     setup::{self, WASM},
     tools,
 };
@@ -24,18 +27,22 @@ pub(crate) enum Step {
     Fmt,
     Clippy,
     Native,
+    Exports,
     Wasm,
     Page,
+    Npm,
     E2e,
 }
 
 impl Step {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 8] = [
         Self::Fmt,
         Self::Clippy,
         Self::Native,
+        Self::Exports,
         Self::Wasm,
         Self::Page,
+        Self::Npm,
         Self::E2e,
     ];
 
@@ -44,8 +51,10 @@ impl Step {
             Self::Fmt => "fmt",
             Self::Clippy => "clippy",
             Self::Native => "native",
+            Self::Exports => "exports",
             Self::Wasm => "wasm",
             Self::Page => "page",
+            Self::Npm => "npm",
             Self::E2e => "e2e",
         }
     }
@@ -55,8 +64,10 @@ impl Step {
             Self::Fmt => "formatting",
             Self::Clippy => "clippy, warnings are errors",
             Self::Native => "native tests",
+            Self::Exports => "exports read back by other programs (Python)",
             Self::Wasm => "tests of the core as WebAssembly in headless Chromium",
             Self::Page => "the page, as it is published",
+            Self::Npm => "the npm package, in Node",
             Self::E2e => "end-to-end tests of page and companion program in headless Chromium",
         }
     }
@@ -78,8 +89,10 @@ impl Step {
             Self::Fmt => formatting(),
             Self::Clippy => clippy(),
             Self::Native => native_tests(rest),
+            Self::Exports => exports(rest),
             Self::Wasm => wasm_tests(rest),
             Self::Page => page(),
+            Self::Npm => npm_tests(rest),
             Self::E2e => end_to_end_tests(rest),
         }
     }
@@ -181,6 +194,36 @@ fn native_tests(rest: &[OsString]) -> Result<Count> {
     run_tests(cargo(packages.split(' ')).args(rest))
 }
 
+/// Every export, read by a program that is not ours.
+fn exports(rest: &[OsString]) -> Result<Count> {
+    let python = python::ensure()?;
+    let companion = companion()?;
+    let mut tests = program(python);
+    tests
+        .arg(python::tests().join("read_back.py"))
+        .args(rest)
+        .env("SNELLIUS_CLI", companion);
+    run_tests(&mut tests)
+}
+
+/// Builds the companion program.
+fn companion() -> Result<PathBuf> {
+    run_to_end(&mut cargo([
+        "build",
+        "--package",
+        "snellius",
+        "--bin",
+        "snellius",
+    ]))?;
+    let companion = build_directory()?.join(executable("snellius"));
+    ensure!(
+        companion.is_file(),
+        "no companion program at {}",
+        companion.display()
+    );
+    Ok(companion)
+}
+
 /// The core's test files named `wasm…`, in the browser that people will use it in.
 fn wasm_tests(rest: &[OsString]) -> Result<Count> {
     setup::wasm_target()?;
@@ -225,9 +268,31 @@ fn webdriver_json(browser: &browser::Browser) -> String {
 }
 
 fn page() -> Result<Count> {
-    let tools = setup::page_tools()?;
-    page::build(&tools, Profile::Release, &page::dist())?;
+    dist::run()?;
     Ok(Count::default())
+}
+
+/// The npm package, used from Node. It is built wherever the tests run, as the end-to-end tests use it in the
+/// browser; Node itself is not installed for its sake.
+fn npm_tests(rest: &[OsString]) -> Result<Count> {
+    npm::build()?;
+    let Some(node) = npm::node() else {
+        println!("NOT RUN: there is no Node here; the package is tested in the browser alone");
+        return Ok(Count::default());
+    };
+    let companion = companion()?;
+    let folder = root().join("target").join("npm").join("test");
+    npm::install_into(&folder)?;
+    let test = folder.join("node.test.mjs");
+    fs::copy(root().join("npm").join("test").join("node.mjs"), &test)?;
+    let mut tests = program(node);
+    tests
+        .args(["--test", "--test-reporter=tap"])
+        .args(rest)
+        .arg(test)
+        .env("SNELLIUS_CLI", companion)
+        .env("SNELLIUS_SAMPLE", root().join("samples").join("jar.zip"));
+    run_tests(&mut tests)
 }
 
 fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
@@ -238,26 +303,18 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
             dist.display()
         );
     }
+    let package = npm::package();
+    if !package.join("package.json").is_file() {
+        npm::build()?;
+    }
     let browser = browser::find_or_install()?;
-    run_to_end(&mut cargo([
-        "build",
-        "--package",
-        "snellius",
-        "--bin",
-        "snellius",
-    ]))?;
-    let companion = build_directory()?.join(executable("snellius"));
-    ensure!(
-        companion.is_file(),
-        "no companion program at {}",
-        companion.display()
-    );
-
+    let companion = companion()?;
     let mut tests: Command = cargo(["test", "--no-fail-fast", "--package", "snellius-tests"]);
     tests
         .args(rest)
         .env("SNELLIUS_DIST", dist)
         .env("SNELLIUS_CLI", companion)
+        .env("SNELLIUS_NPM", package)
         .env(
             "SNELLIUS_SCREENSHOTS",
             root().join("target").join("e2e-screenshots"),

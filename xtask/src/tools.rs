@@ -2,7 +2,7 @@
 //! from source, once, into the user's cache.
 
 use std::{
-    fs::{self, File},
+    fs,
     path::{Path, PathBuf},
     process::Command,
     time::Instant,
@@ -11,6 +11,7 @@ use std::{
 use anyhow::{Context, Result, ensure};
 
 use crate::{
+    cache,
     pins::Pins,
     process::{executable, find_in_path, output_of, program, run},
 };
@@ -65,6 +66,12 @@ pub(crate) fn wasm_test_runner() -> Result<PathBuf> {
     Ok(directory.join(executable("wasm-bindgen-test-runner")))
 }
 
+/// The program that makes JavaScript of a module.
+pub(crate) fn wasm_bindgen_program() -> Result<PathBuf> {
+    let directory = wasm_bindgen(Pins::read()?.wasm_bindgen).ensure()?;
+    Ok(directory.join(executable("wasm-bindgen")))
+}
+
 fn wasm_bindgen(version: String) -> Tool {
     Tool {
         package: "wasm-bindgen-cli",
@@ -80,15 +87,7 @@ impl Tool {
         if let Some(directory) = self.find()? {
             return Ok(directory);
         }
-        // Two set-ups at the same time would write the same files: the second one waits, and
-        // then finds the work done. The lock goes with the process that holds it.
-        let tools = cache()?.join("tools");
-        fs::create_dir_all(&tools).with_context(|| format!("cannot make {}", tools.display()))?;
-        let lock = File::create(tools.join("lock"))?;
-        if lock.try_lock().is_err() {
-            println!("waiting for another set-up to end");
-            lock.lock().context("cannot lock the tools' directory")?;
-        }
+        let _lock = cache::lock()?;
         match self.find()? {
             Some(directory) => Ok(directory),
             None => self.build(),
@@ -112,7 +111,7 @@ impl Tool {
     }
 
     fn home(&self) -> Result<PathBuf> {
-        Ok(cache()?
+        Ok(cache::directory()?
             .join("tools")
             .join(format!("{}-{}", self.program, self.version)))
     }
@@ -127,7 +126,9 @@ impl Tool {
         println!("building {package} {version}, once, about {minutes} min on two cores");
         let start = Instant::now();
         let home = self.home()?;
-        let scratch = cache()?.join("build").join(format!("{package}-{version}"));
+        let scratch = cache::directory()?
+            .join("build")
+            .join(format!("{package}-{version}"));
         fs::create_dir_all(&scratch)?;
 
         // A registry may lack one of the versions that the package was published with: withdrawn
@@ -204,24 +205,6 @@ fn install(package: &str, version: &str, lock: Lock, home: &Path, scratch: &Path
         command.env_remove(setting);
     }
     command
-}
-
-/// `snellius` in the user's cache directory.
-fn cache() -> Result<PathBuf> {
-    let variable = |name| {
-        std::env::var_os(name)
-            .filter(|value| !value.is_empty())
-            .map(PathBuf::from)
-    };
-    let directory = if cfg!(windows) {
-        variable("LOCALAPPDATA")
-    } else if cfg!(target_os = "macos") {
-        variable("HOME").map(|home| home.join("Library/Caches"))
-    } else {
-        variable("XDG_CACHE_HOME").or_else(|| variable("HOME").map(|home| home.join(".cache")))
-    };
-    let directory = directory.context("no cache directory: HOME is not set")?;
-    Ok(directory.join("snellius"))
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
+use super::curves::{Drawn, csv, svg};
 use super::{Failure, print, views};
-use crate::index::{IndexEstimate, IndexStudy, LIQUIDS};
+use crate::index::{IndexEstimate, IndexMethod, IndexStudy, LIQUIDS, Observability};
 use crate::pipeline::{Settings, study_index};
+use crate::scan::KnownKind;
 
 /// Arguments of `snellius index`.
 #[derive(Debug, clap::Args)]
@@ -35,29 +38,75 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         error,
     })?;
     print(&report(&study).join("\n"))?;
-    print(&liquids(arguments).join("\n"))
+    print(&liquids(arguments).join("\n"))?;
+    match &arguments.output {
+        Some(folder) => write(folder, &study),
+        None => Ok(()),
+    }
+}
+
+fn write(folder: &Path, study: &IndexStudy) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
+    for drawn in drawn(study) {
+        for (ending, text) in [("csv", csv(&drawn)), ("svg", svg(&drawn))] {
+            let path = folder.join(format!("{}.{ending}", drawn.name));
+            fs::write(&path, text).map_err(|e| Failure::file(&path, e))?;
+        }
+    }
+    Ok(())
+}
+
+/// The study's curves.
+fn drawn(study: &IndexStudy) -> Vec<Drawn<'_>> {
+    let interval = |method| study.estimate(method).map(|e| e.interval);
+    let mut curves = Vec::new();
+    if study.observability.is_some() {
+        curves.push(Drawn {
+            name: "ray-distance-plain".to_owned(),
+            quantity: "mean ray distance (mm)".to_owned(),
+            curve: &study.plain_curve,
+            level: None,
+            interval: None,
+        });
+        curves.push(Drawn {
+            name: "ray-distance".to_owned(),
+            quantity: "mean robust loss of ray distance over its sigma".to_owned(),
+            curve: &study.ray_distance_curve,
+            level: None,
+            interval: interval(IndexMethod::RayDistance),
+        });
+    }
+    curves.extend(study.overlap_curve.iter().map(|curve| Drawn {
+        name: "overlap".to_owned(),
+        quantity: "RMS distance from the shared faces (mm)".to_owned(),
+        curve,
+        level: None,
+        interval: interval(IndexMethod::Overlap),
+    }));
+    curves.extend(study.known_curves.iter().map(|known| {
+        let what = match known.kind {
+            KnownKind::PlaneAngle => "angle between two planes (degrees)",
+            KnownKind::EdgeLength => "edge (mm)",
+            KnownKind::Flatness => "RMS distance from the plane (mm)",
+            KnownKind::Radius => "radius (mm)",
+        };
+        Drawn {
+            name: format!("known-{}", known.entry),
+            quantity: what.to_owned(),
+            curve: &known.measured,
+            level: Some(known.known),
+            interval: interval(IndexMethod::KnownShape),
+        }
+    }));
+    curves
 }
 
 fn report(study: &IndexStudy) -> Vec<String> {
-    let seen = &study.observability;
-    let mut lines = vec![
-        format!(
-            "ray distance  {:.2} px of signal per unit of the index (median); {:.1} degrees off the mirror \
-             plane, incidence {:.1} and {:.1} degrees, {:.0} mm deep",
-            seen.median_pixels,
-            seen.off_mirror_plane,
-            seen.beam_incidence,
-            seen.sight_incidence,
-            seen.depth
-        ),
-        format!(
-            "laser         0.05 degrees within the plane of the rays shift the index by {:+.4}, across it by \
-             {:+.4}, if nothing corrects for them",
-            seen.shift_in_plane, seen.shift_out_of_plane
-        ),
+    let mut lines: Vec<String> = study.observability.iter().flat_map(observability).collect();
+    lines.extend([
         String::new(),
         "method        index     sigma     sampling  model     floor     verdict".to_owned(),
-    ];
+    ]);
     lines.extend(study.estimates.iter().map(row));
     for (method, why) in &study.not_applicable {
         lines.push(format!("{:<13} -         {why}", method.name()));
@@ -107,6 +156,25 @@ fn report(study: &IndexStudy) -> Vec<String> {
         }
     }
     lines
+}
+
+fn observability(seen: &Observability) -> [String; 2] {
+    [
+        format!(
+            "ray distance  {:.2} px of signal per unit of the index (median); {:.1} degrees off the mirror \
+             plane, incidence {:.1} and {:.1} degrees, {:.0} mm deep",
+            seen.median_pixels,
+            seen.off_mirror_plane,
+            seen.beam_incidence,
+            seen.sight_incidence,
+            seen.depth
+        ),
+        format!(
+            "laser         0.05 degrees within the plane of the rays shift the index by {:+.4}, across it by \
+             {:+.4}, if nothing corrects for them",
+            seen.shift_in_plane, seen.shift_out_of_plane
+        ),
+    ]
 }
 
 fn row(estimate: &IndexEstimate) -> String {

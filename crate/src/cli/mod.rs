@@ -4,6 +4,9 @@
 //! program ends with 0, with 1 if the input is at fault, and with 2 if it was called wrongly.
 
 mod check;
+mod curves;
+mod export;
+mod files;
 mod index;
 mod reconstruct;
 mod schema;
@@ -33,6 +36,8 @@ struct Arguments {
 enum Command {
     /// Measures vessel and object of a scan archive
     Reconstruct(reconstruct::Arguments),
+    /// Writes a result in other formats
+    Export(export::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
     /// Says what a scan tells of the liquid's refractive index, by every method
@@ -96,6 +101,7 @@ fn print(text: &str) -> Result<(), Failure> {
 pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Index(arguments) => index::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),

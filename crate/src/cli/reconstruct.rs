@@ -1,11 +1,8 @@
-use std::fs;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::{Failure, table, views};
-use crate::export::{
-    InsideResult, ReconstructionResult, Status, object_ply, points_csv, vessel_ply,
-};
+use super::{Failure, files, table, views};
+use crate::export::{Format, InsideResult, ReconstructionResult, Status};
 use crate::index::IndexMethod;
 use crate::pipeline::{Settings, reconstruct};
 use crate::table::measure;
@@ -16,9 +13,12 @@ pub(super) struct Arguments {
     /// The scan archive
     #[arg(value_name = "SCAN.zip")]
     scan: PathBuf,
-    /// The folder that result.json, object.ply, vessel.ply and points.csv are written to
+    /// The folder that the files are written to
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
+    /// What to write, separated by commas; json,ply,vessel-ply,csv if left out
+    #[arg(long, short, value_delimiter = ',', value_name = "FORMATS", value_parser = files::format)]
+    formats: Option<Vec<Format>>,
     /// The liquid's refractive index in place of the scan's, or how to estimate it: a number,
     /// ray-distance, overlap, known-shape or joint
     #[arg(long, value_name = "INDEX")]
@@ -130,19 +130,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn write(arguments: &Arguments, result: &ReconstructionResult) -> Result<(), Failure> {
-    let folder = &arguments.output;
-    fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
-    let files = [
-        ("result.json", result.to_json()),
-        ("object.ply", object_ply(result)),
-        ("vessel.ply", vessel_ply(result)),
-        ("points.csv", points_csv(result)),
-    ];
-    for (name, text) in files {
-        let path = folder.join(name);
-        fs::write(&path, text).map_err(|e| Failure::file(&path, e))?;
-    }
-    Ok(())
+    let formats = arguments.formats.as_deref().unwrap_or(&Format::USUAL);
+    files::write(&arguments.output, result, formats)
 }
 
 #[expect(clippy::print_stderr, reason = "the summary is for a person")]

@@ -2,12 +2,13 @@ use schemars::{Schema, schema_for};
 
 use super::{Failure, print};
 use crate::export::ReconstructionResult;
+use crate::pipeline::Settings;
 use crate::scan::Manifest;
 
 /// Arguments of `snellius schema`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Which format; both, keyed by name, if left out
+    /// Which format; all, keyed by name, if left out
     format: Option<Format>,
 }
 
@@ -17,6 +18,8 @@ enum Format {
     Scan,
     /// result.json
     Result,
+    /// The settings that a scan is measured with
+    Settings,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -25,6 +28,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => serde_json::json!({
             "scan": schema(Format::Scan),
             "result": schema(Format::Result),
+            "settings": schema(Format::Settings),
         }),
     };
     print(&format!("{schema:#}"))
@@ -34,5 +38,6 @@ fn schema(format: Format) -> Schema {
     match format {
         Format::Scan => schema_for!(Manifest),
         Format::Result => schema_for!(ReconstructionResult),
+        Format::Settings => schema_for!(Settings),
     }
 }

@@ -1,5 +1,7 @@
 use std::fmt::Write;
 
+use super::header::{header, name_of};
+use super::points::{ObjectPoint, object_points};
 use super::{ReconstructionResult, ViewResult};
 
 /// A table of the views for spreadsheets: RFC 4180 with a header; empty where there is no value. Lengths
@@ -22,9 +24,29 @@ pub fn points_csv(result: &ReconstructionResult) -> String {
     table
 }
 
+/// The object's points as a table for programs that compute: lines that begin with `#` say what it is,
+/// then a header, then a line a point. Lengths in mm, world frame; scan (sweep) and view from 0.
+pub fn object_csv(result: &ReconstructionResult) -> String {
+    let mut table = String::new();
+    for line in header(result) {
+        let _ = write!(table, "# {line}\r\n");
+    }
+    let _ = write!(
+        table,
+        "x,y,z,{},scan,view\r\n",
+        ObjectPoint::MEASURES.join(",")
+    );
+    for point in object_points(result) {
+        for value in point.place.into_iter().chain(point.measures()) {
+            let _ = write!(table, "{value},");
+        }
+        let _ = write!(table, "{},{}\r\n", point.scan, point.view);
+    }
+    table
+}
+
 fn write_line(table: &mut String, view: &ViewResult, line: usize) {
-    let status = serde_json::to_value(view.status).unwrap_or_default();
-    let status = status.as_str().unwrap_or_default();
+    let status = name_of(&view.status);
     let _ = write!(table, "{},{status}", quoted(&view.id));
     let triples = [
         &view.vessel,

@@ -1,71 +1,54 @@
 use std::fmt::Write;
 
 use super::ReconstructionResult;
+use super::header::header;
+use super::points::{ObjectPoint, object_points};
 
-/// The object's points as an ASCII PLY point cloud: coordinates, standard deviations, ray distance.
+/// The object's points as an ASCII PLY point cloud: coordinates, standard deviations, ray distance (mm,
+/// world frame), and the scan (sweep) and the view that each comes from, both counted from 0.
 pub fn object_ply(result: &ReconstructionResult) -> String {
-    let rows: Vec<[f64; 7]> = result
-        .views
-        .iter()
-        .flat_map(|view| {
-            let points = view.object.iter().zip(view.object_sigma.iter());
-            points.zip(view.ray_distance.iter())
-        })
-        .map(|(([x, y, z], [sx, sy, sz]), l)| [*x, *y, *z, *sx, *sy, *sz, *l])
+    let points: Vec<ObjectPoint> = object_points(result).collect();
+    let columns = ["x", "y", "z"].into_iter().chain(ObjectPoint::MEASURES);
+    let columns = columns.map(|name| ("double", name));
+    let columns: Vec<_> = columns
+        .chain([("uint", "scan"), ("uint", "view")])
         .collect();
-    ply(
-        result,
-        "object",
-        [
-            "x",
-            "y",
-            "z",
-            "sigma_x",
-            "sigma_y",
-            "sigma_z",
-            "ray_distance",
-        ],
-        &rows,
-    )
+    let mut file = ply_header(result, "object", &columns, points.len());
+    for point in points {
+        for value in point.place.into_iter().chain(point.measures()) {
+            let _ = write!(file, "{value} ");
+        }
+        let _ = writeln!(file, "{} {}", point.scan, point.view);
+    }
+    file
 }
 
-/// The vessel's points, on the wall's outer face, as an ASCII PLY point cloud.
+/// The vessel's points, on the wall's outer face, as an ASCII PLY point cloud. Millimetres, world frame.
 pub fn vessel_ply(result: &ReconstructionResult) -> String {
+    let columns = ["x", "y", "z"].map(|name| ("double", name));
     let points = result.views.iter().flat_map(|view| view.vessel.iter());
-    let rows: Vec<[f64; 3]> = points.copied().collect();
-    ply(result, "vessel", ["x", "y", "z"], &rows)
+    let mut file = ply_header(result, "vessel", &columns, points.clone().count());
+    for [x, y, z] in points {
+        let _ = writeln!(file, "{x} {y} {z}");
+    }
+    file
 }
 
-fn ply<const N: usize>(
+fn ply_header(
     result: &ReconstructionResult,
     what: &str,
-    columns: [&str; N],
-    rows: &[[f64; N]],
+    columns: &[(&str, &str)],
+    rows: usize,
 ) -> String {
     let mut file = String::from("ply\nformat ascii 1.0\n");
-    let name: String = result
-        .scan
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    let index = result
-        .media
-        .inside
-        .value
-        .map_or("unknown".to_owned(), |n| n.to_string());
-    let _ = writeln!(file, "comment {what} of scan: {name}");
-    let _ = writeln!(
-        file,
-        "comment unit mm, world frame, refractive index inside {index}"
-    );
-    let _ = writeln!(file, "element vertex {}", rows.len());
-    for column in columns {
-        let _ = writeln!(file, "property double {column}");
+    let _ = writeln!(file, "comment points of the {what}");
+    for line in header(result) {
+        let _ = writeln!(file, "comment {line}");
+    }
+    let _ = writeln!(file, "element vertex {rows}");
+    for (kind, name) in columns {
+        let _ = writeln!(file, "property {kind} {name}");
     }
     file.push_str("end_header\n");
-    for row in rows {
-        let row = row.map(|value| value.to_string());
-        let _ = writeln!(file, "{}", row.join(" "));
-    }
     file
 }

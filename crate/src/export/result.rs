@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::index::{IndexMethod, Verdict};
 use crate::scan::{InsideMedium, LengthUnit, VesselShape};
+use crate::spots::SpotRole;
 
 /// Generates a struct of the result: public, serialisable, with a schema.
 macro_rules! result {
@@ -44,19 +45,6 @@ pub enum Status {
     Rejected,
 }
 
-/// What a spot is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum SpotRole {
-    /// It lies on the wall's outer face.
-    Vessel,
-    /// It lies on the object.
-    Object,
-    /// Neither.
-    Stray,
-}
-
 /// What a view gave: of a spot laser one value or none (`null`), of a line laser a list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -66,6 +54,12 @@ pub enum OneOrMany<T> {
     One(Option<T>),
     /// Of a line laser.
     Many(Vec<T>),
+}
+
+impl<T> Default for OneOrMany<T> {
+    fn default() -> Self {
+        Self::One(None)
+    }
 }
 
 impl<T> OneOrMany<T> {
@@ -255,6 +249,9 @@ result! {
     pub struct ViewResult {
         /// Its id in the manifest.
         pub id: String,
+        /// The sweep (row of stations) it belongs to, from 0.
+        #[serde(default)]
+        pub sweep: u32,
         /// What became of it.
         pub status: Status,
         /// Why it has no object point.
@@ -276,6 +273,10 @@ result! {
         pub object_sigma_calibration: OneOrMany<[f64; 3]>,
         /// l of Fig. 7, mm.
         pub ray_distance: OneOrMany<f64>,
+        /// Where the point would lie if refraction were ignored (Fig. 11 b), world frame, mm; `null` where
+        /// the straight rays do not meet.
+        #[serde(default)]
+        pub object_unrefracted: OneOrMany<Option<[f64; 3]>>,
         /// The spots that were found; of a line laser none, see `line`.
         pub spots: Vec<SpotResult>,
         /// Of a line laser: the points of its line in the picture.
@@ -331,7 +332,41 @@ impl RefusedResult {
     }
 }
 
+/// Why a file is no result.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultError {
+    /// It is no JSON, or not of this format.
+    #[error("{place}: {problem}")]
+    Format {
+        /// Where in the file.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// A later program wrote it.
+    #[error("version: {0} is not known; this program reads version 1")]
+    Version(u32),
+}
+
 impl ReconstructionResult {
+    /// Reads `result.json`.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, ResultError> {
+        let mut json = serde_json::Deserializer::from_slice(bytes);
+        let result: Self =
+            serde_path_to_error::deserialize(&mut json).map_err(|error| ResultError::Format {
+                place: error.path().to_string(),
+                problem: error.into_inner().to_string(),
+            })?;
+        json.end().map_err(|error| ResultError::Format {
+            place: "after the result".to_owned(),
+            problem: error.to_string(),
+        })?;
+        match result.version {
+            1 => Ok(result),
+            other => Err(ResultError::Version(other)),
+        }
+    }
+
     /// The file's bytes: JSON, indented, with a final line break.
     ///
     /// The same reconstruction gives the same bytes everywhere.

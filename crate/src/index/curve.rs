@@ -1,13 +1,18 @@
 //! Curves over the index, from light that is traced once.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::last_bend::{BendPair, LastBend};
-use super::model::{Hypothesis, Model};
-use super::sights::ObjectSight;
-use crate::geometry::{Approach, World};
-use crate::object::line_of_sight;
+use super::solve::{GREATEST_INDEX, LEAST_INDEX};
+use crate::camera::Pixel;
+use crate::geometry::{Camera, Point, Pose, Ray, World};
+use crate::object::{Setup, line_of_sight, meet};
+use crate::optics::Media;
+use crate::rig::{Laser, Rig};
 use crate::robust::tukey_loss;
+use crate::scan::{InsideMedium, Station};
+use crate::vessel::Wall;
 
 /// A quantity over the refractive index.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -64,6 +69,7 @@ pub struct CurveMinimum {
 
 /// Evenly spaced indices.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IndexRange {
     /// The least.
     pub from: f64,
@@ -97,52 +103,113 @@ impl IndexRange {
 /// index costs the last refraction alone.
 #[derive(Clone, Debug)]
 pub struct PreparedSights {
-    pairs: Vec<Option<BendPair>>,
+    sights: Vec<Option<PreparedSight>>,
     wall_index: f64,
 }
 
+#[derive(Clone, Debug)]
+enum PreparedSight {
+    /// A beam's.
+    Beam(Box<BendPair>),
+    /// A sheet's: which of its rays meets the line of sight depends on the index, so the place is
+    /// interpolated.
+    Sheet(Box<PlaceCurve>),
+}
+
+/// A place as a polynomial of the index, through places at Chebyshev's nodes.
+#[derive(Clone, Debug)]
+struct PlaceCurve([Point<World>; NODES]);
+
+const NODES: usize = 9;
+
+/// Chebyshev's nodes (of the second kind) between the least and the greatest index of a liquid.
+fn node(i: usize) -> f64 {
+    let part = libm::cos(std::f64::consts::PI * i as f64 / (NODES - 1) as f64);
+    0.5 * (LEAST_INDEX + GREATEST_INDEX) + 0.5 * (GREATEST_INDEX - LEAST_INDEX) * part
+}
+
+impl PlaceCurve {
+    /// Barycentric interpolation (J.-P. Berrut and L. N. Trefethen, SIAM Review 46, 2004).
+    fn at(&self, index: f64) -> Point<World> {
+        let (mut above, mut below) = (Vector3::zeros(), 0.0);
+        for (i, place) in self.0.iter().enumerate() {
+            let off = index - node(i);
+            if off == 0.0 {
+                return *place;
+            }
+            let end = if i == 0 || i == NODES - 1 { 0.5 } else { 1.0 };
+            let weight = if i % 2 == 0 { end } else { -end } / off;
+            above += place.coords * weight;
+            below += weight;
+        }
+        Point::from_coords(above / below)
+    }
+}
+
+impl PreparedSight {
+    fn gap(&self, ratio: f64) -> f64 {
+        match self {
+            Self::Beam(pair) => pair.gap(ratio),
+            Self::Sheet(_) => 0.0,
+        }
+    }
+}
+
 impl PreparedSights {
-    pub(super) fn new(model: &Model, here: &Hypothesis, sights: &[ObjectSight]) -> Self {
-        let far = here.state.wall.far.map(|far| far.distance);
-        let rig = &here.state.rig;
-        let pair = |sight: &ObjectSight| {
-            let station = &model.setup.stations[sight.view];
-            let pose = rig.station(&station.world_from_flange);
-            let beam = LastBend::new(&here.stack, far, &pose.ray(&rig.laser.axis()))?;
-            let line = line_of_sight(rig, &pose, sight.pixel).ok()?;
-            BendPair::new(beam, LastBend::new(&here.stack, far, &line)?)
+    /// Traces the light of spots, each given by its view and pixel. The liquid's index in `setup.media`
+    /// does not matter.
+    pub fn new(setup: &Setup, sights: &[(usize, Pixel)]) -> Self {
+        let wall = &setup.vessel.wall;
+        Self::behind(setup.rig, wall, &setup.media, setup.stations, sights)
+    }
+
+    /// As [`PreparedSights::new`], for a range finder and a wall other than the setup's.
+    pub(super) fn behind(
+        rig: &Rig,
+        wall: &Wall,
+        media: &Media,
+        stations: &[Station],
+        sights: &[(usize, Pixel)],
+    ) -> Self {
+        let poses: Vec<_> = stations
+            .iter()
+            .map(|station| rig.station(&station.world_from_flange))
+            .collect();
+        let prepare = |(view, pixel): &(usize, Pixel)| match &rig.laser {
+            Laser::Beam(beam) => beam_sight(rig, wall, media, beam, &poses[*view], *pixel),
+            Laser::Sheet(_) => sheet_sight(rig, wall, media, &poses[*view], *pixel),
         };
         Self {
-            pairs: sights.iter().map(pair).collect(),
-            wall_index: model.setup.media.wall,
+            sights: sights.iter().map(prepare).collect(),
+            wall_index: media.wall,
         }
     }
 
     /// How many sights there are.
     pub fn len(&self) -> usize {
-        self.pairs.len()
+        self.sights.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
+        self.sights.is_empty()
     }
 
-    /// Where each sight's two rays come closest if the index is `index`; `None` where one of them does not
-    /// get through.
-    pub fn approaches(&self, index: f64) -> impl Iterator<Item = Option<Approach<World>>> + '_ {
+    /// Each sight's object point if the index is `index`; `None` where its light does not get through.
+    pub fn points(&self, index: f64) -> impl Iterator<Item = Option<Point<World>>> + '_ {
         let ratio = self.wall_index / index;
-        self.pairs
-            .iter()
-            .map(move |pair| pair.as_ref()?.approach(ratio))
+        self.sights.iter().map(move |sight| match sight.as_ref()? {
+            PreparedSight::Beam(pair) => Some(pair.approach(ratio)?.midpoint()),
+            PreparedSight::Sheet(curve) => Some(curve.at(index)),
+        })
     }
 
     /// The signed ray distance of each sight; not a number where a ray does not get through.
     pub fn gaps(&self, index: f64) -> impl Iterator<Item = f64> + '_ {
         let ratio = self.wall_index / index;
-        self.pairs
+        self.sights
             .iter()
-            .map(move |pair| pair.as_ref().map_or(f64::NAN, |pair| pair.gap(ratio)))
+            .map(move |sight| sight.as_ref().map_or(f64::NAN, |sight| sight.gap(ratio)))
     }
 
     /// Eq. (3) as printed: the mean ray distance, mm.
@@ -163,10 +230,10 @@ impl PreparedSights {
         let mut sums = vec![0.0; ratios.len()];
         let mut count = 0.0;
         let mut losses = vec![0.0; ratios.len()];
-        for (sight, pair) in self.pairs.iter().enumerate() {
-            let Some(pair) = pair else { continue };
+        for (number, sight) in self.sights.iter().enumerate() {
+            let Some(sight) = sight else { continue };
             for (one, ratio) in losses.iter_mut().zip(&ratios) {
-                *one = loss(sight, pair.gap(*ratio));
+                *one = loss(number, sight.gap(*ratio));
             }
             if losses.iter().all(|one| one.is_finite()) {
                 sums.iter_mut()
@@ -181,4 +248,39 @@ impl PreparedSights {
             value: sums.into_iter().map(mean).collect(),
         }
     }
+}
+
+fn beam_sight(
+    rig: &Rig,
+    wall: &Wall,
+    media: &Media,
+    beam: &Ray<Camera>,
+    pose: &Pose<World, Camera>,
+    pixel: Pixel,
+) -> Option<PreparedSight> {
+    let stack = wall.stack(media, InsideMedium::Liquid).ok()?;
+    let far = wall.far.map(|far| far.distance);
+    let light = LastBend::new(&stack, far, &pose.ray(beam))?;
+    let line = line_of_sight(rig, pose, pixel).ok()?;
+    let line = LastBend::new(&stack, far, &line)?;
+    Some(PreparedSight::Beam(Box::new(BendPair::new(light, line)?)))
+}
+
+fn sheet_sight(
+    rig: &Rig,
+    wall: &Wall,
+    media: &Media,
+    pose: &Pose<World, Camera>,
+    pixel: Pixel,
+) -> Option<PreparedSight> {
+    let mut places = [Point::origin(); NODES];
+    for (i, place) in places.iter_mut().enumerate() {
+        let media = Media {
+            liquid: node(i),
+            ..*media
+        };
+        let stack = wall.stack(&media, InsideMedium::Liquid).ok()?;
+        *place = meet(rig, pose, &stack, pixel).ok()?.point();
+    }
+    Some(PreparedSight::Sheet(Box::new(PlaceCurve(places))))
 }

@@ -118,12 +118,31 @@ pub(super) struct Constraint {
     pub(super) known: Known,
     /// Which of the faces.
     pub(super) faces: Vec<usize>,
+    /// Of the two supplementary angles between two planes: whether that between the normals is meant, or
+    /// the other one. Settled once, so that the measure is smooth also at 90 degrees.
+    pub(super) supplement: bool,
 }
 
 impl Constraint {
+    /// Of the two supplementary angles the one nearer to what is known is taken.
+    pub(super) fn new(known: &Known, faces: Vec<usize>, all: &[Face]) -> Self {
+        let mut constraint = Self {
+            known: known.clone(),
+            faces,
+            supplement: false,
+        };
+        if let (KnownKind::PlaneAngle, Some(angle)) = (known.kind, constraint.measure(all)) {
+            let other = std::f64::consts::PI - angle;
+            // At 90 degrees both are as near, and either will do.
+            constraint.supplement =
+                (other - known.value).abs() < (angle - known.value).abs() - 1e-6;
+        }
+        constraint
+    }
+
     /// M of eq. (4). `None` where the faces cannot be what they should.
     ///
-    /// * The angle between two planes: of the two supplementary angles the one nearer to what is known.
+    /// * The angle between two planes.
     /// * The edge between two parallel faces: the distance of their points' middles along the mean normal.
     /// * A radius.
     pub(super) fn measure(&self, faces: &[Face]) -> Option<f64> {
@@ -132,7 +151,14 @@ impl Constraint {
             _ => None,
         };
         match self.known.kind {
-            KnownKind::PlaneAngle => Some(angle(&plane(0)?, &plane(1)?, self.known.value)),
+            KnownKind::PlaneAngle => {
+                let angle = angle(&plane(0)?, &plane(1)?);
+                Some(if self.supplement {
+                    std::f64::consts::PI - angle
+                } else {
+                    angle
+                })
+            }
             KnownKind::EdgeLength => edge(&plane(0)?, &plane(1)?),
             KnownKind::Radius => match &faces[self.faces[0]].surface {
                 Surface::Sphere(sphere) => Some(sphere.radius),
@@ -145,15 +171,10 @@ impl Constraint {
     }
 }
 
-pub(super) fn angle(a: &Plane<World>, b: &Plane<World>, near: f64) -> f64 {
+/// The angle between the normals of two planes, radians.
+pub(super) fn angle(a: &Plane<World>, b: &Plane<World>) -> f64 {
     let sine = a.normal.vector().cross(&b.normal.vector()).norm();
-    let angle = libm::atan2(sine, a.normal.dot(b.normal));
-    let other = std::f64::consts::PI - angle;
-    if (angle - near).abs() <= (other - near).abs() {
-        angle
-    } else {
-        other
-    }
+    libm::atan2(sine, a.normal.dot(b.normal))
 }
 
 pub(super) fn edge(a: &Plane<World>, b: &Plane<World>) -> Option<f64> {

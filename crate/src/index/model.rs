@@ -117,6 +117,10 @@ pub(super) struct Whitened {
     pub(super) kinds: [Option<Kind>; 2],
     /// Lower triangular; turns raw residuals into whitened ones.
     whitener: Matrix2<f64>,
+    /// Where the spot would be without its noise.
+    at: Pixel,
+    /// What the way from there to where it is seen adds to the raw residuals.
+    offset: Vector2<f64>,
 }
 
 /// Where residuals come from.
@@ -276,9 +280,16 @@ impl<'a> Model<'a> {
     }
 
     /// How a source's residuals are made independent and brought to a standard deviation of 1, from the
-    /// covariance of its pixel. `None` where its light does not get through.
-    pub(super) fn whiten(&self, hypothesis: &Hypothesis, source: Source) -> Option<Whitened> {
-        let (pixel, covariance) = match source {
+    /// covariance C of its pixel. `None` where its light does not get through.
+    ///
+    /// The residuals r and their slopes A by the pixel are taken where the spot x would be without its
+    /// noise, x0 = x - C A^T (A C A^T)^-1 (r + A (x - x0)), as in the Gauss-Helmert model of adjustment:
+    /// slopes at the noisy spot go with its noise, and what is weakly determined would be biased by it.
+    pub(super) fn whiten(&self, here: &Hypothesis, source: Source) -> Option<Whitened> {
+        const ROUNDS: usize = 3;
+        /// A spot farther off than this many standard deviations has more than noise.
+        const NOISE: f64 = 6.0;
+        let (seen, covariance) = match source {
             Source::Vessel(i) => {
                 let sight = &self.sights.vessel[i];
                 (sight.pixel, sight.covariance)
@@ -290,19 +301,37 @@ impl<'a> Model<'a> {
             Source::Known(i) => {
                 return Some(Whitened {
                     source,
-                    kinds: [Some(Kind::Known), None],
+                    kinds: self.kinds(source),
                     whitener: Matrix2::new(1.0 / self.known[i].known.sigma(), 0.0, 0.0, 0.0),
+                    at: Pixel::new(0.0, 0.0),
+                    offset: Vector2::zeros(),
                 });
             }
         };
-        const H: f64 = 1e-3;
-        let at = |du: f64, dv: f64| {
-            self.raw_at(hypothesis, source, Pixel::new(pixel.u + du, pixel.v + dv))
-        };
-        let slopes = Matrix2::from_columns(&[
-            (at(H, 0.0)? - at(-H, 0.0)?) / (2.0 * H),
-            (at(0.0, H)? - at(0.0, -H)?) / (2.0 * H),
-        ]);
+        let mut whitened = self.whiten_at(here, source, covariance, seen, Vector2::zeros())?;
+        for _ in 0..ROUNDS {
+            let slopes = self.slopes(here, source, whitened.at)?;
+            let residual = self.residual(here, &whitened)?;
+            if residual.norm() > NOISE {
+                break;
+            }
+            let back = covariance * slopes.transpose() * whitened.whitener.transpose() * residual;
+            let at = Pixel::new(seen.u - back.x, seen.v - back.y);
+            whitened = self.whiten_at(here, source, covariance, at, back)?;
+        }
+        Some(whitened)
+    }
+
+    /// As [`Model::whiten`], at a pixel from which the seen one is off by `away`.
+    fn whiten_at(
+        &self,
+        here: &Hypothesis,
+        source: Source,
+        covariance: Matrix2<f64>,
+        at: Pixel,
+        away: Vector2<f64>,
+    ) -> Option<Whitened> {
+        let slopes = self.slopes(here, source, at)?;
         let spread = slopes * covariance * slopes.transpose();
         let kinds = self.kinds(source);
         let whitener = match kinds {
@@ -314,7 +343,19 @@ impl<'a> Model<'a> {
             source,
             kinds,
             whitener,
+            at,
+            offset: slopes * away,
         })
+    }
+
+    /// How a source's raw residuals change with its pixel.
+    fn slopes(&self, here: &Hypothesis, source: Source, at: Pixel) -> Option<Matrix2<f64>> {
+        const H: f64 = 1e-3;
+        let raw = |du: f64, dv: f64| self.raw_at(here, source, Pixel::new(at.u + du, at.v + dv));
+        Some(Matrix2::from_columns(&[
+            (raw(H, 0.0)? - raw(-H, 0.0)?) / (2.0 * H),
+            (raw(0.0, H)? - raw(0.0, -H)?) / (2.0 * H),
+        ]))
     }
 
     /// Whether the laser is a beam: a sheet's light meets every line of sight, so that neither the
@@ -345,16 +386,13 @@ impl<'a> Model<'a> {
     /// The whitened residuals of a source.
     pub(super) fn residual(&self, hypothesis: &Hypothesis, w: &Whitened) -> Option<Vector2<f64>> {
         let raw = match w.source {
-            Source::Vessel(i) => self.raw_at(hypothesis, w.source, self.sights.vessel[i].pixel),
-            Source::Object { sight, .. } => {
-                self.raw_at(hypothesis, w.source, self.sights.object[sight].pixel)
-            }
             Source::Known(i) => {
                 let found = self.known[i].measure(&hypothesis.state.faces)?;
-                Some(Vector2::new(found - self.known[i].known.value, 0.0))
+                Vector2::new(found - self.known[i].known.value, 0.0)
             }
+            _ => self.raw_at(hypothesis, w.source, w.at)? + w.offset,
         };
-        Some(w.whitener * raw?)
+        Some(w.whitener * raw)
     }
 
     fn raw_at(

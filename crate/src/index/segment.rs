@@ -224,7 +224,7 @@ impl Cloud<'_> {
         knowns: &[Known],
     ) -> Result<(Vec<Face>, Vec<Constraint>), IndexError> {
         let mut told: Vec<(Vec<usize>, Face)> = Vec::new();
-        let mut constraints = Vec::new();
+        let mut tied: Vec<(&Known, Vec<usize>)> = Vec::new();
         for known in knowns {
             let Some(views) = &known.views else { continue };
             let mut faces = Vec::new();
@@ -239,10 +239,7 @@ impl Cloud<'_> {
                 };
                 faces.push(face);
             }
-            constraints.push(Constraint {
-                known: known.clone(),
-                faces,
-            });
+            tied.push((known, faces));
         }
         let mut faces: Vec<Face> = told.into_iter().map(|(_, face)| face).collect();
         let taken: Vec<usize> = faces.iter().flat_map(|f| f.members.clone()).collect();
@@ -251,8 +248,12 @@ impl Cloud<'_> {
             (face.members.len() >= LEAST_POINTS).then_some(face)
         }));
         for known in knowns.iter().filter(|known| known.views.is_none()) {
-            constraints.push(find_faces(known, &faces)?);
+            tied.push((known, find_faces(known, &faces)?));
         }
+        let constraints: Vec<Constraint> = tied
+            .into_iter()
+            .map(|(known, about)| Constraint::new(known, about, &faces))
+            .collect();
         for constraint in &constraints {
             if constraint.known.kind == KnownKind::Radius {
                 faces[constraint.faces[0]].stretch = None;
@@ -263,7 +264,7 @@ impl Cloud<'_> {
 }
 
 /// The faces that a known shape is most likely about: those whose measure comes nearest to it.
-fn find_faces(known: &Known, faces: &[Face]) -> Result<Constraint, IndexError> {
+fn find_faces(known: &Known, faces: &[Face]) -> Result<Vec<usize>, IndexError> {
     let plane = |face: &Face| match &face.surface {
         Surface::Plane(plane) => Some(*plane),
         _ => None,
@@ -289,16 +290,18 @@ fn find_faces(known: &Known, faces: &[Face]) -> Result<Constraint, IndexError> {
     };
     /// Faces of less than this angle are parallel; of more, they make an angle. Radians.
     const PARALLEL: f64 = 0.2;
-    let turned = |a: &Plane<World>, b: &Plane<World>| angle(a, b, 0.0);
+    // Seen from the rig, a face and one turned away from it have normals that differ by 180 degrees.
+    let apart = |a: &Plane<World>, b: &Plane<World>| libm::sin(angle(a, b));
     let found = match known.kind {
         KnownKind::PlaneAngle => nearest(
             pairs()
-                .map(|(a, b)| (angle(&a.1, &b.1, known.value), vec![a.0, b.0]))
+                .map(|(a, b)| (Constraint::new(known, vec![a.0, b.0], faces), a.0, b.0))
+                .filter_map(|(constraint, a, b)| Some((constraint.measure(faces)?, vec![a, b])))
                 .collect(),
         ),
         KnownKind::EdgeLength => nearest(
             pairs()
-                .filter(|(a, b)| turned(&a.1, &b.1) < PARALLEL)
+                .filter(|(a, b)| apart(&a.1, &b.1) < PARALLEL)
                 .filter_map(|(a, b)| Some((edge(&a.1, &b.1)?, vec![a.0, b.0])))
                 .collect(),
         ),
@@ -320,12 +323,8 @@ fn find_faces(known: &Known, faces: &[Face]) -> Result<Constraint, IndexError> {
             )
         }
     };
-    let faces = found.ok_or(IndexError::NoFace {
+    found.ok_or(IndexError::NoFace {
         entry: known.entry,
         kind: known.kind,
-    })?;
-    Ok(Constraint {
-        known: known.clone(),
-        faces,
     })
 }

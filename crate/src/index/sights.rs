@@ -42,6 +42,10 @@ pub struct Sights {
     pub sweep_of: Vec<usize>,
 }
 
+/// No centroid is trusted further than this along each axis, px: the camera's noise model leaves out how
+/// light falls off over an oblique face, and how a pixel answers it.
+const LEAST_SIGMA: f64 = 0.05;
+
 /// Some points of a view, evenly along its line: neighbours say the same of the index. A beam has one.
 fn some<T>(points: &[T]) -> impl Iterator<Item = &T> {
     const MOST: usize = 24;
@@ -52,13 +56,15 @@ impl Sights {
     /// Gathers them from what vessel and object were found to be.
     pub fn new(setup: &Setup, spots: &[Spots], choices: &[Choice]) -> Self {
         let grain = object_grain(setup, choices);
+        let floor = Matrix2::identity() * (LEAST_SIGMA * LEAST_SIGMA);
         let vessel = setup.vessel.points.iter().enumerate();
         let vessel = vessel.flat_map(|(view, points)| {
             some(points).map(move |point| VesselSight {
                 view,
                 pixel: point.pixel,
                 glow_offset: point.glow_offset,
-                covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain),
+                covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain)
+                    + floor,
             })
         });
         let in_liquid = |view: &usize| setup.stations[*view].inside == InsideMedium::Liquid;
@@ -68,7 +74,7 @@ impl Sights {
                 ObjectSight {
                     view,
                     pixel: spot.pixel(),
-                    covariance: spot.covariance_with(grain),
+                    covariance: spot.covariance_with(grain) + floor,
                 }
             })
         });

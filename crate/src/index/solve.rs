@@ -26,6 +26,24 @@ impl Moved {
     }
 }
 
+/// Which of the unknowns move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Which {
+    All,
+    AllButIndex,
+    IndexAndFaces,
+}
+
+impl Which {
+    fn moves(self, unknown: Unknown) -> bool {
+        match self {
+            Self::All => true,
+            Self::AllButIndex => unknown != Unknown::Index,
+            Self::IndexAndFaces => matches!(unknown, Unknown::Index | Unknown::Face { .. }),
+        }
+    }
+}
+
 /// What the unknowns came to.
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
@@ -61,12 +79,11 @@ impl Model<'_> {
     /// Moves the unknowns to where priors and residuals agree best, from a state near there: Gauss-Newton
     /// steps with Tukey's biweight at each kind's own scale, which is never taken below what noise
     /// explains. `None` where the light gets through in no view.
-    pub(super) fn solve(&self, start: State, hold_index: bool) -> Option<Solution> {
+    pub(super) fn solve(&self, start: State, which: Which) -> Option<Solution> {
         let mut state = start;
-        let held = |unknown: &Unknown| hold_index && *unknown == Unknown::Index;
         let free = self.unknowns(&state).into_iter();
         let mut unknowns: Vec<Moved> = free
-            .filter(|(unknown, _)| !held(unknown))
+            .filter(|(unknown, _)| which.moves(*unknown))
             .map(|(unknown, prior)| Moved::new(unknown, prior))
             .collect();
         for _ in 0..STEPS {

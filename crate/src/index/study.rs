@@ -4,14 +4,14 @@ use super::curve::{IndexCurve, IndexRange, PreparedSights};
 use super::error::IndexError;
 use super::estimate::{Correction, IndexEstimate, IndexMethod, NORMAL_95, Verdict, WIDEST};
 use super::face::Face;
+use super::given::Given;
 use super::known::{Constraint, Known};
 use super::model::{Hypothesis, Model, Parts, State, Unknown};
 use super::observability::Observability;
-use super::ray_distance::RayDistance;
 use super::remedy::Remedy;
 use super::segment::Cloud;
 use super::sights::Sights;
-use super::solve::{Disagreement, Row, Solution};
+use super::solve::{Disagreement, Row, Solution, Which};
 use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::object::{Choice, Setup, calibration_sigmas};
 use crate::robust::median;
@@ -22,8 +22,9 @@ use crate::vessel::refit_shape;
 /// What all methods say of a scan's index.
 #[derive(Clone, Debug)]
 pub struct IndexStudy {
-    /// What the ray distance can tell, before any search.
-    pub observability: Observability,
+    /// What the ray distance can tell, before any search; `None` for a line laser, whose rays meet every
+    /// line of sight.
+    pub observability: Option<Observability>,
     /// The estimates of the methods that apply.
     pub estimates: Vec<IndexEstimate>,
     /// The methods that do not apply, and why.
@@ -168,7 +169,7 @@ impl<'a> Student<'a> {
         };
         let vessel_only = Model::new(setup, sights, none);
         let start = vessel_only.start(setup.media.liquid);
-        let solved = vessel_only.solve(start.clone(), true);
+        let solved = vessel_only.solve(start.clone(), Which::AllButIndex);
         let corrected = solved.as_ref().map_or(start, |s| s.state.clone());
         let model = Model::new(setup, sights, METHODS[0].1);
         let here = Hypothesis::new(&model, corrected.clone()).ok_or(IndexError::NoSights)?;
@@ -184,7 +185,7 @@ impl<'a> Student<'a> {
             .map(|sigma| sigma.point.norm())
             .collect();
         Ok(Self {
-            prepared: PreparedSights::new(&model, &here, &sights.object),
+            prepared: prepared(setup, sights, &corrected),
             setup,
             sights,
             known,
@@ -205,8 +206,9 @@ impl<'a> Student<'a> {
         let ray_distance_curve = self.prepared.robust_curve(self.range, &self.gap_sigmas);
         let observer = Model::new(self.setup, self.sights, METHODS[0].1);
         let observability = observer
-            .observability(&self.corrected)
-            .ok_or(IndexError::NoSights)?;
+            .has_beam()
+            .then(|| observer.observability(&self.corrected))
+            .flatten();
         let mut faces = self.start_faces(&ray_distance_curve)?;
         let mut joint = self.solve(METHODS[3].1, &faces);
         // The joint solution tells more exactly which points lie on which face.
@@ -240,7 +242,16 @@ impl<'a> Student<'a> {
 
     /// Why a method does not apply to this scan.
     fn applies(&self, method: IndexMethod, faces: &Faces) -> Result<(), String> {
+        let line = !Model::new(self.setup, self.sights, METHODS[0].1).has_beam();
         match method {
+            IndexMethod::RayDistance if line => Err(
+                "the rays of a line laser meet every line of sight whatever the index is; use overlap or a \
+                 known shape"
+                    .to_owned(),
+            ),
+            IndexMethod::Joint if line && faces.faces.is_empty() => {
+                Err("no face of the object is shared by enough points".to_owned())
+            }
             IndexMethod::Overlap if faces.faces.is_empty() => {
                 Err("no face of the object is shared by enough points".to_owned())
             }
@@ -261,21 +272,21 @@ impl<'a> Student<'a> {
         let mut start = self.corrected.clone();
         start.index = faces.index;
         start.faces = faces.faces.clone();
-        self.model(parts, faces).solve(start, false)
+        self.model(parts, faces).solve(start, Which::All)
     }
 
     fn add(&self, study: &mut IndexStudy, method: IndexMethod, parts: Parts, faces: &Faces) {
         let model = self.model(parts, faces);
         let found = match method {
-            IndexMethod::RayDistance => self.least_ray_distance(&model, &study.ray_distance_curve),
-            _ => self.solve(parts, faces).map(|s| self.solved(&model, s)),
+            IndexMethod::Joint => self.solve(parts, faces).map(|s| self.solved(&model, s)),
+            _ => self.given(&model, self.start(method, faces, study)),
         };
         let Some(found) = found else {
             let why = "the light gets through in too few views".to_owned();
             study.not_applicable.push((method, why));
             return;
         };
-        let estimate = self.estimate(method, &model, &found, &study.observability);
+        let estimate = self.estimate(method, &model, &found, study.observability.as_ref());
         if estimate.verdict == Verdict::NotDetermined {
             let enough = WIDEST / NORMAL_95;
             if let Some(remedy) = model.remedy(&found.state, enough) {
@@ -285,19 +296,32 @@ impl<'a> Student<'a> {
         study.estimates.push(estimate);
     }
 
-    /// Eq. (3), robust and weighted.
-    fn least_ray_distance(&self, model: &Model, curve: &IndexCurve) -> Option<Found> {
-        let mut state = self.corrected.clone();
-        let minimum = curve.minimum()?;
-        state.index = minimum.index;
+    /// Where a method that holds calibration starts from.
+    fn start(&self, method: IndexMethod, faces: &Faces, study: &IndexStudy) -> State {
+        let mut start = self.corrected.clone();
+        start.faces = faces.faces.clone();
+        start.index = match method {
+            IndexMethod::RayDistance => {
+                let minimum = study.ray_distance_curve.minimum();
+                minimum.map_or(faces.index, |minimum| minimum.index)
+            }
+            _ => faces.index,
+        };
+        start
+    }
+
+    /// Eqs. (3) and (4), robust and weighted, with calibration held as the vessel's spots leave it.
+    fn given(&self, model: &Model, start: State) -> Option<Found> {
         let vessel = self.vessel_only.as_ref()?;
-        let linear = RayDistance::new(model, &state, vessel)?;
+        let given = Given::solve(model, start, vessel)?;
+        let groups = self.groups();
+        let group_of = |row: &Row| model.view(row.whitened.source).map(|view| groups[view]);
         Some(Found {
-            sigma: linear.sigma(),
-            disagreement: linear.disagreement(&self.groups()),
+            sigma: given.sigma(),
+            disagreement: given.disagreement(group_of),
             corrections: corrections(vessel),
-            entangled: None,
-            state,
+            entangled: given.most_entangled(),
+            state: given.state,
         })
     }
 
@@ -318,7 +342,7 @@ impl<'a> Student<'a> {
         method: IndexMethod,
         model: &Model,
         found: &Found,
-        observability: &Observability,
+        observability: Option<&Observability>,
     ) -> IndexEstimate {
         let model_sigma = found.disagreement.map(|d| d.factor * found.sigma);
         let disagreeing = found.disagreement.filter(|d| d.significant);
@@ -353,7 +377,7 @@ impl<'a> Student<'a> {
         found: &Found,
         sigma: f64,
         inside: bool,
-        observability: &Observability,
+        observability: Option<&Observability>,
     ) -> String {
         let wide = format!("its standard deviation would be {sigma:.3}");
         let wide = if inside {
@@ -361,11 +385,11 @@ impl<'a> Student<'a> {
         } else {
             format!("{wide}, and the best value is the end of the search range")
         };
-        let why = match method {
-            IndexMethod::RayDistance => format!(
+        let why = match (method, observability) {
+            (IndexMethod::RayDistance, Some(seen)) => format!(
                 "{}; the signal is {:.2} px per unit of the index",
-                observability.cause(),
-                observability.median_pixels
+                seen.cause(),
+                seen.median_pixels
             ),
             _ => match found.entangled {
                 Some((unknown, correlation)) => format!(
@@ -430,11 +454,8 @@ impl<'a> Student<'a> {
     }
 
     fn refined_faces(&self, solution: &Solution) -> Result<Faces, IndexError> {
-        let model = Model::new(self.setup, self.sights, METHODS[0].1);
-        let here = Hypothesis::new(&model, solution.state.clone()).ok_or(IndexError::NoSights)?;
-        let prepared = PreparedSights::new(&model, &here, &self.sights.object);
-        let approaches = prepared.approaches(solution.state.index);
-        let points: Vec<_> = approaches.map(|a| Some(a?.midpoint())).collect();
+        let prepared = prepared(self.setup, self.sights, &solution.state);
+        let points: Vec<_> = prepared.points(solution.state.index).collect();
         self.faces_at(solution.state.index, &points, self.tolerance(0.2))
     }
 
@@ -459,8 +480,7 @@ impl<'a> Student<'a> {
     }
 
     fn points(&self, index: f64) -> Vec<Option<Point<World>>> {
-        let approaches = self.prepared.approaches(index);
-        approaches.map(|a| Some(a?.midpoint())).collect()
+        self.prepared.points(index).collect()
     }
 
     fn cloud<'p>(&'p self, points: &'p [Option<Point<World>>], tolerance: f64) -> Cloud<'p> {
@@ -492,10 +512,8 @@ impl<'a> Student<'a> {
 
     fn plain_curve(&self) -> IndexCurve {
         let model = Model::new(self.setup, self.sights, METHODS[0].1);
-        let given = Hypothesis::new(&model, model.start(self.setup.media.liquid));
-        given.map_or_else(IndexCurve::default, |given| {
-            PreparedSights::new(&model, &given, &self.sights.object).plain_curve(self.range)
-        })
+        let given = model.start(self.setup.media.liquid);
+        prepared(self.setup, self.sights, &given).plain_curve(self.range)
     }
 
     /// The faces with their surfaces fitted anew to the points for an index.
@@ -645,6 +663,19 @@ struct Faces {
     index: f64,
     faces: Vec<Face>,
     constraints: Vec<Constraint>,
+}
+
+/// The light of the object's sights in a state.
+fn prepared(setup: &Setup, sights: &Sights, state: &State) -> PreparedSights {
+    let pixels = sights.object.iter().map(|sight| (sight.view, sight.pixel));
+    let pixels: Vec<_> = pixels.collect();
+    PreparedSights::behind(
+        &state.rig,
+        &state.wall,
+        &setup.media,
+        setup.stations,
+        &pixels,
+    )
 }
 
 fn corrections(solution: &Solution) -> Vec<Correction> {

@@ -7,13 +7,15 @@ use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet}
 use super::{back, grain};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World};
+use crate::optics::{TotalReflection, TraceProblem};
 use crate::rig::Laser;
 use crate::robust::robust_scale;
 use crate::scan::{Station, sweeps};
-use crate::spots::{Spot, Spots};
+use crate::spots::{Spot, SpotRole, Spots};
 
 /// How object points are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ObjectSettings {
     /// A ray distance of more than this many standard deviations refuses a spot. The standard deviation
@@ -100,6 +102,18 @@ impl std::fmt::Display for Neighbourhood {
 }
 
 impl Refusal {
+    /// The total reflection that keeps the laser's light or the line of sight out, if that is why.
+    pub const fn total_reflection(&self) -> Option<TotalReflection> {
+        let Self::NoMeeting(MeetingError::Beam(stopped) | MeetingError::Sight(stopped)) = self
+        else {
+            return None;
+        };
+        match stopped.problem {
+            TraceProblem::TotalReflection(reflection) => Some(reflection),
+            TraceProblem::Miss | TraceProblem::Unmeasured => None,
+        }
+    }
+
     /// Whether such a spot shows that there are ghosts: it is neither the object's nor the wall's own.
     const fn tells_of_ghosts(&self) -> bool {
         /// The inner face's glow lies no farther before the face than this, mm.
@@ -204,8 +218,31 @@ pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) ->
     };
     let mut choices = choose(setup, judged);
     back::refuse(setup, &mut choices);
+    insist(&candidates, spots, &mut choices);
     count_grain(setup, spots, &mut choices);
     choices
+}
+
+/// A spot of which a person says that it is the object's is taken, whatever speaks against it, if its
+/// light paths meet behind the wall.
+fn insist(candidates: &[Vec<Candidate>], spots: &[Spots], choices: &mut [Choice]) {
+    for ((candidates, spots), choice) in candidates.iter().zip(spots).zip(choices) {
+        let said = candidates
+            .iter()
+            .find(|c| spots.said_of(c.spot) == Some(SpotRole::Object));
+        let Some((spot, Ok((meeting, noise)))) = said.map(|c| (c.spot, c.outcome.clone())) else {
+            continue;
+        };
+        let others = choice.points.drain(..).filter(|point| point.spot != spot);
+        let outdone = others.map(|point| (point.spot, Refusal::Outdone(None)));
+        choice.refused.extend(outdone);
+        choice.refused.retain(|(refused, _)| *refused != spot);
+        choice.points.push(ObjectPoint {
+            spot,
+            meeting,
+            noise,
+        });
+    }
 }
 
 /// The grain of laser light as the chosen spots show it (see [`Spot::covariance_with`]); where they are
@@ -245,7 +282,8 @@ fn candidates(
     settings: &ObjectSettings,
 ) -> Vec<Candidate> {
     let taken = |spot: usize| setup.vessel.points[view].iter().any(|p| p.spot == spot);
-    let free = spots.spots.iter().enumerate().filter(|(i, _)| !taken(*i));
+    let may_be = |spot: usize| !taken(spot) && spots.may_be(spot, SpotRole::Object);
+    let free = spots.spots.iter().enumerate().filter(|(i, _)| may_be(*i));
     free.map(|(index, spot)| Candidate {
         spot: index,
         pixel: spot.pixel(),

@@ -15,6 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod correction;
 mod index;
 mod light;
 mod parameters;
@@ -23,6 +24,7 @@ mod stage;
 mod summary;
 mod warnings;
 
+pub use correction::{Correction, correct};
 pub use index::{InsideIndex, study_index};
 pub use light::LightPaths;
 pub use parameters::{NumberParameter, PARAMETERS, Parameter, ParameterKind, parameters_page};
@@ -49,6 +51,7 @@ use index::Measured;
 
 /// How a scan is measured. The defaults are right for most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Settings {
     /// How spots are found.

@@ -6,15 +6,18 @@ use crate::export::{
     ReconstructionResult, RefusedResult, ShapeChoiceResult, SpotResult, SpotRole, Status,
     VesselResult, ViewResult, WallResult,
 };
+use crate::geometry::Point;
 use crate::object::{Choice, ObjectPoint};
 use crate::optics::{BaseShape, Freeform, Surface};
 use crate::rig::Laser;
-use crate::scan::LengthUnit;
+use crate::scan::{LengthUnit, sweeps};
 
 impl Reconstruction<'_> {
     /// The reconstruction in its public format.
     pub fn result(&self) -> ReconstructionResult {
         let manifest = &self.scan.manifest;
+        let sweeps = sweeps(&self.scan.stations);
+        let views = sweeps.into_iter().enumerate();
         ReconstructionResult {
             format: ReconstructionFormat::RefractiveReconstruction,
             version: 1,
@@ -33,8 +36,8 @@ impl Reconstruction<'_> {
                 },
             },
             vessel: self.vessel_result(),
-            views: (0..manifest.views.len())
-                .map(|view| self.view_result(view))
+            views: views
+                .map(|(view, sweep)| self.view_result(view, sweep as u32))
                 .collect(),
             warnings: self.warnings().into_iter().map(|w| w.text).collect(),
         }
@@ -75,13 +78,14 @@ impl Reconstruction<'_> {
         }
     }
 
-    fn view_result(&self, view: usize) -> ViewResult {
+    fn view_result(&self, view: usize, sweep: u32) -> ViewResult {
         let choice = &self.object[view];
         let status = self.status(view);
         let points =
             |value: fn(&ObjectPoint) -> [f64; 3]| self.of_laser(choice.points.iter().map(value));
         ViewResult {
             id: self.scan.manifest.views[view].id.clone(),
+            sweep,
             status,
             reason: self.reason(view),
             inside_proposed: self.inside_proposed[view],
@@ -93,6 +97,11 @@ impl Reconstruction<'_> {
             object_sigma_calibration: self
                 .of_laser(self.common_sigmas[view].iter().map(|s| s.point.into())),
             ray_distance: self.of_laser(choice.points.iter().map(|p| p.meeting.gap().abs())),
+            object_unrefracted: self.of_laser(
+                self.unrefracted[view]
+                    .iter()
+                    .map(|point| point.map(Point::to_array)),
+            ),
             spots: match self.scan.rig.laser {
                 Laser::Beam(_) => self.spot_results(view),
                 Laser::Sheet(_) => Vec::new(),

@@ -35,6 +35,7 @@ impl Settings {
         } else if self.vessel != other.vessel {
             Some(Stage::Vessel)
         } else if self.object != other.object
+            || self.accept_media != other.accept_media
             || (self.index, self.index_method, self.index_range)
                 != (other.index, other.index_method, other.index_range)
         {

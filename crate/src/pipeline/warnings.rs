@@ -3,6 +3,7 @@
 use super::{Reconstruction, Stage, Warning};
 use crate::export::Status;
 use crate::index::Verdict;
+use crate::object::Choice;
 use crate::scan::{InsideMedium, VesselShape};
 use crate::text::{count, some_of};
 
@@ -12,6 +13,7 @@ impl Reconstruction<'_> {
         let of_scan = self.scan.warnings.iter().cloned();
         let mut warnings: Vec<Warning> = of_scan.map(about(Stage::Scan)).collect();
         warnings.extend(index(self).map(about(Stage::Index)));
+        warnings.extend(thrown_back(self).map(about(Stage::Object)));
         warnings.extend(statuses(self));
         warnings.extend(saturated(self).map(about(Stage::Spots)));
         let of_vessel = [off_epipolar_line(self), thickness(self), shape(self)];
@@ -39,6 +41,22 @@ fn index(reconstruction: &Reconstruction) -> Option<String> {
         )),
         _ => None,
     }
+}
+
+/// A vessel that no light gets into.
+fn thrown_back(reconstruction: &Reconstruction) -> Option<String> {
+    let views = &reconstruction.object;
+    if views.iter().any(|view| !view.points.is_empty()) {
+        return None;
+    }
+    let of_view = |view: &Choice| view.refused.iter().find_map(|(_, r)| r.total_reflection());
+    let thrown_back: Vec<_> = views.iter().filter_map(of_view).collect();
+    let first = thrown_back.first()?;
+    Some(format!(
+        "no light gets into the vessel; in {} it is thrown back at the wall ({first}): check \
+         media.outside, wall and inside, or look at the wall more squarely",
+        count(thrown_back.len(), "view")
+    ))
 }
 
 fn statuses(reconstruction: &Reconstruction) -> Vec<Warning> {

@@ -39,6 +39,7 @@ impl Simulation {
         }
         Spots {
             spots,
+            said: Vec::new(),
             noise: self.scene.noise.read,
             line: None,
         }

@@ -291,6 +291,7 @@ impl Ridge<'_> {
         }
         Spots {
             spots,
+            said: Vec::new(),
             noise: self.noise.typical(),
             line: Some(Line {
                 profiles: self.profiles,

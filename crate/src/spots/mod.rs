@@ -23,6 +23,7 @@ use crate::scan::PicturePair;
 
 /// How spots are found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SpotSettings {
     /// A spot's smoothed peak stands this many standard deviations of the noise above it.
@@ -111,16 +112,45 @@ impl Spot {
     }
 }
 
+/// What a spot is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SpotRole {
+    /// It lies on the wall's outer face.
+    Vessel,
+    /// It lies on the object.
+    Object,
+    /// Neither.
+    Stray,
+}
+
 /// The spots of one view, or the points of its line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spots {
     /// Brightest first, if they are of a beam.
     pub spots: Vec<Spot>,
+    /// What a person says that some of them are.
+    #[serde(default)]
+    pub said: Vec<(usize, SpotRole)>,
     /// Standard deviation of the difference picture's noise in its darker half, grey values.
     pub noise: f64,
     /// Of a sheet of light: how the spots make a line. They stand in its order then.
     #[serde(default)]
     pub line: Option<Line>,
+}
+
+impl Spots {
+    /// What a person says that a spot is.
+    pub fn said_of(&self, spot: usize) -> Option<SpotRole> {
+        let said = self.said.iter().find(|(about, _)| *about == spot);
+        said.map(|(_, role)| *role)
+    }
+
+    /// Whether a spot may be such a one: nobody says that it is another.
+    pub fn may_be(&self, spot: usize, role: SpotRole) -> bool {
+        self.said_of(spot).is_none_or(|said| said == role)
+    }
 }
 
 /// Finds the spots of a view.
@@ -135,6 +165,7 @@ pub fn find_spots(pictures: &PicturePair, settings: &SpotSettings) -> Spots {
     spots.truncate(settings.most);
     Spots {
         spots,
+        said: Vec::new(),
         noise: noise.typical(),
         line: None,
     }

@@ -7,9 +7,9 @@ use crate::export::{
     SpotRole, Status, ViewResult,
 };
 use crate::geometry::{Camera, Point, Pose, World, ZeroLength};
-use crate::object::{ObjectSettings, Refusal};
+use crate::object::{ObjectSettings, Refusal, meet_unrefracted};
 use crate::rig::Laser;
-use crate::scan::{InsideMedium, LengthUnit, Scan, Station};
+use crate::scan::{InsideMedium, LengthUnit, Scan, Station, sweeps};
 use crate::spots::{Spot, Spots};
 use crate::text::{count, some_of};
 
@@ -63,7 +63,8 @@ pub fn measure(
         media: table.media.clone(),
         vessel: table.vessel.clone(),
         views: views
-            .map(|(view, spots)| measurement.view(view, &spots.spots))
+            .zip(sweeps(&scan.stations))
+            .map(|((view, spots), sweep)| measurement.view(view, sweep as u32, &spots.spots))
             .collect(),
         warnings: warnings(scan, &tables_pose),
     })
@@ -150,7 +151,7 @@ enum Sight {
 }
 
 impl Measurement<'_> {
-    fn view(&self, view: usize, spots: &[Spot]) -> ViewResult {
+    fn view(&self, view: usize, sweep: u32, spots: &[Spot]) -> ViewResult {
         let mut sights: Vec<Sight> = (0..spots.len()).map(|i| self.sight(i, &spots[i])).collect();
         if let Laser::Beam(_) = self.scan.rig.laser {
             keep_likeliest(&mut sights);
@@ -181,6 +182,7 @@ impl Measurement<'_> {
         };
         ViewResult {
             id: self.scan.manifest.views[view].id.clone(),
+            sweep,
             status,
             reason: match status {
                 Status::Ok => None,
@@ -198,6 +200,10 @@ impl Measurement<'_> {
             object_sigma_calibration: self
                 .of_laser(objects().map(|f| self.turned(&f.seen.of_calibration, pose).into())),
             ray_distance: self.of_laser(objects().map(|f| f.seen.gap.abs())),
+            object_unrefracted: self.of_laser(objects().map(|f| {
+                let straight = meet_unrefracted(&self.scan.rig, pose, spots[f.spot].pixel());
+                straight.ok().map(|meeting| meeting.point().to_array())
+            })),
             spots: match self.scan.rig.laser {
                 Laser::Beam(_) => spots.iter().zip(&sights).map(spot_result).collect(),
                 Laser::Sheet(_) => Vec::new(),

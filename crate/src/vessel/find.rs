@@ -17,6 +17,7 @@ use crate::spots::{Spot, Spots};
 
 /// How the wall is found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct VesselSettings {
     /// A spot this near the epipolar line may lie on the wall, px.
@@ -237,7 +238,7 @@ impl Finder<'_> {
         let candidates: Vec<Vec<Candidate>> = self
             .spots
             .iter()
-            .map(|view| pick::along_epipolar_line(self.rig, &view.spots, tolerance))
+            .map(|view| pick::along_epipolar_line(self.rig, view, tolerance))
             .collect();
         if candidates.iter().all(Vec::is_empty) {
             return Err(VesselError::NoSpots { tolerance });
@@ -259,7 +260,8 @@ impl Finder<'_> {
         let limit = self.settings.outlier * start.scale.max(1e-6);
         let on_wall = |(view, list): (usize, &Vec<Candidate>)| {
             let off = |c: &Candidate| start.surface.signed_distance(place(view, c)).abs();
-            let near = |c: &&Candidate| off(c) <= limit.max(self.settings.outlier * c.sigma);
+            let near =
+                |c: &&Candidate| c.said || off(c) <= limit.max(self.settings.outlier * c.sigma);
             let candidate = *list.iter().find(near)?;
             let pixel = self.spot(view, &candidate).pixel();
             Some(Pick {

@@ -183,6 +183,7 @@ impl Finder<'_> {
             sigma: by_pixel.norm() * variance.sqrt(),
             way: Direction::new(by_pixel).ok()?,
             off_line: None,
+            said: false,
         };
         Some(Block {
             view: line.view,

@@ -3,7 +3,7 @@
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Point};
 use crate::rig::{LitPoint, Rig};
-use crate::spots::Spot;
+use crate::spots::{Spot, SpotRole, Spots};
 
 /// A spot near the epipolar line, taken for a point of the beam in air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,23 +20,28 @@ pub(super) struct Candidate {
     pub(super) way: Direction<Camera>,
     /// How far off the epipolar line, px, with a sign; a sheet has none.
     pub(super) off_line: Option<f64>,
+    /// Whether a person says that it lies on the wall.
+    pub(super) said: bool,
 }
 
 /// The spots within `tolerance` (px) of the epipolar line, in their order along the beam: the first of
-/// them is the wall's, whichever side the laser is on (section II-C).
-pub(super) fn along_epipolar_line(rig: &Rig, spots: &[Spot], tolerance: f64) -> Vec<Candidate> {
-    let near_line = |(index, spot)| candidate(rig, index, spot);
-    let mut candidates: Vec<Candidate> = spots
-        .iter()
-        .enumerate()
-        .filter_map(near_line)
-        .filter(|c| c.off_line.is_some_and(|off| off.abs() <= tolerance))
+/// them is the wall's, whichever side the laser is on (section II-C). Before them all comes the spot of
+/// which a person says so, and those that are said to be something else are left out.
+pub(super) fn along_epipolar_line(rig: &Rig, spots: &Spots, tolerance: f64) -> Vec<Candidate> {
+    let all = spots.spots.iter().enumerate();
+    let mut candidates: Vec<Candidate> = all
+        .filter(|(index, _)| spots.may_be(*index, SpotRole::Vessel))
+        .filter_map(|(index, spot)| {
+            let said = spots.said_of(index).is_some();
+            candidate(rig, index, spot, said)
+        })
+        .filter(|c| c.said || c.off_line.is_some_and(|off| off.abs() <= tolerance))
         .collect();
-    candidates.sort_by(|a, b| a.along.total_cmp(&b.along));
+    candidates.sort_by(|a, b| b.said.cmp(&a.said).then(a.along.total_cmp(&b.along)));
     candidates
 }
 
-fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
+fn candidate(rig: &Rig, index: usize, spot: &Spot, said: bool) -> Option<Candidate> {
     let here = lit_point(rig, spot.pixel())?;
     Some(Candidate {
         spot: index,
@@ -45,6 +50,7 @@ fn candidate(rig: &Rig, index: usize, spot: &Spot) -> Option<Candidate> {
         sigma: sigma_along(rig, spot, 0.0)?,
         way: rig.laser.ray_to(here.point)?.direction,
         off_line: here.off_line.map(|off| off * rig.camera.mean_focal()),
+        said,
     })
 }
 

@@ -115,6 +115,7 @@ pub fn spots(view: &TruthView, random: &mut Random) -> Spots {
     spots.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
     Spots {
         spots,
+        said: Vec::new(),
         noise: 1.0,
         line: None,
     }

@@ -142,6 +142,7 @@ impl Traced {
             let on_object = view.object_pixel.first().map(&mut noisy);
             spots.push(Spots {
                 spots: on_wall.into_iter().chain(on_object).collect(),
+                said: Vec::new(),
                 noise: 1.0,
                 line: None,
             });

@@ -93,7 +93,13 @@ fn paint(canvas: &HtmlCanvasElement, set: &PictureSet, pixels: &js_sys::Uint8Cla
     }
 }
 
+/// A drag may leave the frame. A spot's mark hears its own click.
 fn hold(event: PointerEvent) {
+    let target = event.target().and_then(|t| t.dyn_into::<Element>().ok());
+    let on_mark = target.and_then(|t| t.closest(".spot").ok().flatten());
+    if on_mark.is_some() {
+        return;
+    }
     if let Some(frame) = event.current_target() {
         let _ = frame
             .unchecked_into::<Element>()

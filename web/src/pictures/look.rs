@@ -27,7 +27,7 @@ pub(super) fn window([width, height]: [f64; 2], look: Look, spots: &[Found]) -> 
     let (shown_width, shown_height) = (width / look.zoom, height / look.zoom);
     let [u, v] = look
         .centre
-        .or_else(|| middle(spots))
+        .or_else(|| middle(spots, [shown_width, shown_height]))
         .unwrap_or([width / 2.0, height / 2.0]);
     Window {
         left: (u - shown_width / 2.0).clamp(0.0, width - shown_width),
@@ -37,15 +37,26 @@ pub(super) fn window([width, height]: [f64; 2], look: Look, spots: &[Found]) -> 
     }
 }
 
-/// The middle of the spots that matter.
-fn middle(spots: &[Found]) -> Option<[f64; 2]> {
-    let known: Vec<_> = spots
-        .iter()
-        .filter(|spot| spot.role != SpotRole::Stray)
-        .collect();
-    let count = known.len() as f64;
-    let mean = |axis: usize| known.iter().map(|spot| spot.pixel[axis]).sum::<f64>() / count;
-    (count > 0.0).then(|| [mean(0), mean(1)])
+/// The middle of the spots that matter; if they do not all fit, the object's.
+fn middle(spots: &[Found], [width, height]: [f64; 2]) -> Option<[f64; 2]> {
+    let known = || spots.iter().filter(|spot| spot.role != SpotRole::Stray);
+    let range = |axis: usize| {
+        let values = known().map(move |spot| spot.pixel[axis]);
+        values.fold((f64::MAX, f64::MIN), |(low, high), v| {
+            (low.min(v), high.max(v))
+        })
+    };
+    let ([left, top], [right, bottom]) = {
+        let (u, v) = (range(0), range(1));
+        ([u.0, v.0], [u.1, v.1])
+    };
+    if right - left < 0.9 * width && bottom - top < 0.9 * height {
+        return known()
+            .next()
+            .map(|_| [0.5 * (left + right), 0.5 * (top + bottom)]);
+    }
+    let object = known().find(|spot| spot.role == SpotRole::Object);
+    object.or_else(|| known().next()).map(|spot| spot.pixel)
 }
 
 impl Window {

@@ -122,7 +122,9 @@ fn found(spots: &[Spot], reasons: &[(usize, String)]) -> Vec<Found> {
     };
     let mut found: Vec<Found> = spots.iter().map(one).collect();
     for (index, reason) in reasons {
-        found[*index].reason = Some(reason.clone());
+        if let Some(found) = found.get_mut(*index) {
+            found.reason = Some(reason.clone());
+        }
     }
     found
 }

@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use snellius::export::SpotRole;
 
 use super::look::Window;
-use super::spots::{role_class, role_name};
+use super::spots::{focus_role, role_class, role_name};
 use super::{Found, Sheet};
 
 /// More marks would be a colour over the picture: the points of a line are dots.
@@ -83,38 +83,30 @@ fn mark(
     // Marks keep their size whatever the zoom.
     let unit = window.width / 100.0;
     let r = 2.2 * unit;
-    let (class, shape) = match spot.role {
-        SpotRole::Vessel => (
-            "spot vessel",
-            format!("M{} {v}L{u} {}L{} {v}L{u} {}Z", u - r, v - r, u + r, v + r),
+    let shape = match spot.role {
+        SpotRole::Vessel => format!("M{} {v}L{u} {}L{} {v}L{u} {}Z", u - r, v - r, u + r, v + r),
+        SpotRole::Object => format!(
+            "M{} {v}a{r} {r} 0 1 0 {} 0a{r} {r} 0 1 0 {} 0Z",
+            u - r,
+            2.0 * r,
+            -2.0 * r
         ),
-        SpotRole::Object => (
-            "spot object",
-            format!(
-                "M{} {v}a{r} {r} 0 1 0 {} 0a{r} {r} 0 1 0 {} 0Z",
-                u - r,
-                2.0 * r,
-                -2.0 * r
-            ),
-        ),
-        SpotRole::Stray => (
-            "spot stray",
-            format!(
-                "M{a} {c}L{b} {d}M{a} {d}L{b} {c}",
-                a = u - 0.7 * r,
-                b = u + 0.7 * r,
-                c = v - 0.7 * r,
-                d = v + 0.7 * r
-            ),
+        SpotRole::Stray => format!(
+            "M{a} {c}L{b} {d}M{a} {d}L{b} {c}",
+            a = u - 0.7 * r,
+            b = u + 0.7 * r,
+            c = v - 0.7 * r,
+            d = v + 0.7 * r
         ),
     };
     let (anchor, x, y) = name_place(spot, r, window);
     view! {
         <g
-            class=class
+            class=format!("spot {}", role_class(spot.role))
             class:pointed=move || sheet.points_at(index)
             on:pointerenter=move |_| sheet.pointed.set(Some((index, of_picture)))
             on:pointerleave=move |_| sheet.pointed.set(None)
+            on:click=move |_| focus_role(index)
         >
             <circle class="reach" cx=u cy=v r=2.0 * r />
             <path d=shape />
@@ -128,7 +120,7 @@ fn mark(
 /// What is to be said of the spot that is pointed at. It stands where the spot is not.
 #[component]
 pub(super) fn Note(sheet: Sheet, of_picture: &'static str) -> impl IntoView {
-    let note = move || {
+    move || {
         let spots = sheet.spots.get();
         let (index, _) = sheet
             .pointed
@@ -143,8 +135,7 @@ pub(super) fn Note(sheet: Sheet, of_picture: &'static str) -> impl IntoView {
                 {spot.reason.map(|reason| format!(": {reason}"))}
             </p>
         })
-    };
-    note
+    }
 }
 
 /// The wall's name stands to the left above its mark, the others' to the right below: the spots are often

@@ -5,7 +5,7 @@ use snellius::scan::{Picture, PicturePair};
 use snellius::spots::Difference;
 use wasm_bindgen::JsValue;
 
-use super::messages::PictureSet;
+use super::messages::{PictureSet, Thumbnail};
 
 /// Makes the pictures visible: on and off as they are, the difference with a sign.
 pub(super) fn develop(pictures: &PicturePair) -> PictureSet {
@@ -29,6 +29,36 @@ pub(super) fn develop(pictures: &PicturePair) -> PictureSet {
         }),
         difference_grey: Int32Array::from(difference.as_slice()),
         difference_limit: limit,
+    }
+}
+
+/// A picture, small: each pixel is the mean of those it stands for, lifted to the brightest.
+pub(super) fn thumbnail(picture: &Picture) -> Thumbnail {
+    const WIDTH: usize = 96;
+    let size = picture.width.div_ceil(WIDTH).max(1);
+    let (width, height) = (picture.width.div_ceil(size), picture.height.div_ceil(size));
+    let mean = |column: usize, row: usize| {
+        let right = ((column + 1) * size).min(picture.width);
+        let bottom = ((row + 1) * size).min(picture.height);
+        let rows = row * size..bottom;
+        let sum: u32 = rows
+            .flat_map(|v| {
+                &picture.grey[v * picture.width + column * size..v * picture.width + right]
+            })
+            .map(|grey| u32::from(*grey))
+            .sum();
+        f64::from(sum) / ((right - column * size) * (bottom - row * size)) as f64
+    };
+    let means: Vec<f64> = (0..height)
+        .flat_map(|row| (0..width).map(move |column| (column, row)))
+        .map(|(column, row)| mean(column, row))
+        .collect();
+    let brightest = means.iter().fold(1.0, |most, mean| f64::max(most, *mean));
+    let shade = |mean: &f64| (mean / brightest).sqrt() * 255.0;
+    Thumbnail {
+        width: width as u32,
+        height: height as u32,
+        pixels: rgba(means.iter().map(|mean| [shade(mean) as u8; 3])),
     }
 }
 

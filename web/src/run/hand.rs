@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use futures::channel::oneshot;
-use js_sys::Array;
+use js_sys::{Array, Uint8Array};
+use snellius::export::Format;
 use snellius::pipeline::Settings;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
@@ -13,7 +14,8 @@ use web_sys::{
     Blob, BlobPropertyBag, ErrorEvent, MessageEvent, Url, Worker, WorkerOptions, WorkerType,
 };
 
-use super::messages::{Answer, FileKind, PictureSet, Question, READY, Reply, Request};
+use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -103,8 +105,8 @@ impl Hand {
     }
 
     /// Has it measure vessel and object from the spots it keeps.
-    pub(crate) async fn measure(&self, settings: Settings) -> Result<Outcome, Problem> {
-        match self.ask(Request::Measure(settings)).await? {
+    pub(crate) async fn measure(&self, plan: &Plan) -> Result<Outcome, Problem> {
+        match self.ask(Request::Measure(Box::new(plan.clone()))).await? {
             Reply::Measured(outcome) => Ok(*outcome),
             _ => Err(unexpected()),
         }
@@ -118,10 +120,18 @@ impl Hand {
         }
     }
 
+    /// Has it decode a view's picture, small.
+    pub(crate) async fn thumbnail(&self, view: usize) -> Result<Thumbnail, Problem> {
+        match self.ask(Request::Thumbnail { view }).await? {
+            Reply::Thumbnail(thumbnail) => Ok(thumbnail),
+            _ => Err(unexpected()),
+        }
+    }
+
     /// Has it write a file.
-    pub(crate) async fn write(&self, kind: FileKind) -> Result<String, Problem> {
-        match self.ask(Request::Write(kind)).await? {
-            Reply::Written(text) => Ok(text),
+    pub(crate) async fn write(&self, format: Format) -> Result<Uint8Array, Problem> {
+        match self.ask(Request::Write(format)).await? {
+            Reply::Written(bytes) => Ok(bytes),
             _ => Err(unexpected()),
         }
     }

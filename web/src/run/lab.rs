@@ -5,13 +5,16 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use futures::future::try_join_all;
+use js_sys::Uint8Array;
+use snellius::export::Format;
 use snellius::pipeline::Settings;
 use snellius::spots::{SpotSettings, Spots};
 use web_sys::Blob;
 
 use super::hand::Hand;
-use super::messages::{FileKind, PictureSet};
-use super::problem::Problem;
+use super::messages::{PictureSet, Thumbnail};
+use super::plan::Plan;
+use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
 
 /// How far the search for spots is.
@@ -41,7 +44,7 @@ pub(crate) struct Lab {
 struct Measurer {
     hand: Hand,
     spots: Option<SpotSettings>,
-    measured: Option<Settings>,
+    measured: Option<Plan>,
 }
 
 impl Lab {
@@ -67,18 +70,35 @@ impl Lab {
         &self.facts
     }
 
-    /// Measures the archive: what changed settings do not concern is not done again. Dropping the future
+    /// Measures the archive: what a change does not concern is not done again. Dropping the future
     /// ends the work.
     pub(crate) async fn measure(
         &self,
-        settings: Settings,
+        plan: &Plan,
         tell: impl Fn(Progress),
     ) -> Result<Outcome, Problem> {
-        let spots = self.spots(settings, tell).await?;
-        let mut measurer = self.measurer(settings.spots, &spots).await?;
+        let outcome = self.try_to_measure(plan, tell).await;
+        if outcome
+            .as_ref()
+            .is_err_and(|problem| problem.kind == ProblemKind::Own)
+        {
+            // A worker that has failed answers no more; others are started when they are needed.
+            self.observers.take();
+            self.measurer.take();
+        }
+        outcome
+    }
+
+    async fn try_to_measure(
+        &self,
+        plan: &Plan,
+        tell: impl Fn(Progress),
+    ) -> Result<Outcome, Problem> {
+        let spots = self.spots(plan.settings, tell).await?;
+        let mut measurer = self.measurer(plan.settings.spots, &spots).await?;
         // If this future is dropped now, the measurer is dropped with it, which ends its worker.
-        let outcome = measurer.hand.measure(settings).await;
-        measurer.measured = outcome.is_ok().then_some(settings);
+        let outcome = measurer.hand.measure(plan).await;
+        measurer.measured = outcome.is_ok().then(|| plan.clone());
         self.measurer.replace(Some(measurer));
         outcome
     }
@@ -89,20 +109,21 @@ impl Lab {
         hand.pictures(view).await
     }
 
-    /// Writes a file of what the settings give.
-    pub(crate) async fn write(
-        &self,
-        kind: FileKind,
-        settings: Settings,
-    ) -> Result<String, Problem> {
-        let is_measured = |measurer: &Measurer| measurer.measured == Some(settings);
+    /// Decodes a view's picture, small.
+    pub(crate) async fn thumbnail(&self, view: usize) -> Result<Thumbnail, Problem> {
+        self.observer(view).await?.thumbnail(view).await
+    }
+
+    /// Writes a file of what a plan gives.
+    pub(crate) async fn write(&self, format: Format, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let is_measured = |measurer: &Measurer| measurer.measured.as_ref() == Some(plan);
         if !self.measurer.borrow().as_ref().is_some_and(is_measured) {
-            self.measure(settings, |_| {}).await?;
+            self.measure(plan, |_| {}).await?;
         }
         let measurer = self.measurer.take().ok_or_else(busy)?;
-        let text = measurer.hand.write(kind).await;
+        let written = measurer.hand.write(format).await;
         self.measurer.replace(Some(measurer));
-        text
+        written
     }
 
     /// The spots of all views, found now if they are not at hand.

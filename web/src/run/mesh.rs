@@ -1,6 +1,7 @@
 //! A free-form wall as a mesh over its measured patch.
 
 use serde::{Deserialize, Serialize};
+use snellius::geometry::Point;
 use snellius::optics::{Freeform, Sheet};
 
 use super::report::Place;
@@ -58,5 +59,5 @@ fn edge(sheet: &Sheet) -> Vec<[f64; 2]> {
 
 fn through(sheet: &Sheet, thickness: f64, place: [f64; 2]) -> Through {
     let (point, normal) = sheet.at(place.into());
-    [point, point + normal * -thickness].map(|p| p.to_array())
+    [point, point + normal * -thickness].map(Point::to_array)
 }

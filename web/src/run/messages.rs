@@ -3,13 +3,15 @@
 //! Every question carries a number and is answered once under the same number, so an answer that comes
 //! late, from a run that was given up, finds nobody waiting.
 
-use js_sys::{Array, Int32Array, Uint8ClampedArray, Uint16Array};
+use js_sys::{Array, Int32Array, Uint8Array, Uint8ClampedArray, Uint16Array};
 use serde::{Deserialize, Serialize};
+use snellius::export::Format;
 use snellius::pipeline::Settings;
 use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -40,11 +42,13 @@ pub(crate) enum Request {
     /// Keep the spots of all views. Answered by `Kept`.
     Keep(Vec<Spots>),
     /// Measure vessel and object from the spots kept. Answered by `Measured`.
-    Measure(Settings),
+    Measure(Box<Plan>),
     /// Decode the pictures of a view. Answered by `Pictures`.
     Pictures { view: usize },
+    /// Decode a view's picture, small. Answered by `Thumbnail`.
+    Thumbnail { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
-    Write(FileKind),
+    Write(Format),
 }
 
 /// What a worker answers.
@@ -57,7 +61,8 @@ pub(crate) enum Reply {
     Kept,
     Measured(Box<Outcome>),
     Pictures(PictureSet),
-    Written(String),
+    Thumbnail(Thumbnail),
+    Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.
@@ -69,18 +74,20 @@ impl Reply {
     pub(crate) fn transfer(&self) -> Array {
         match self {
             Self::Pictures(set) => set.buffers(),
+            Self::Written(bytes) => Array::of1(&bytes.buffer()),
+            Self::Thumbnail(thumbnail) => Array::of1(&thumbnail.pixels.buffer()),
             _ => Array::new(),
         }
     }
 }
 
-/// A file that can be saved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum FileKind {
-    Result,
-    Object,
-    Vessel,
-    Table,
+/// A view's picture with the laser on, small: RGBA, row by row.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct Thumbnail {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) pixels: Uint8ClampedArray,
 }
 
 /// The grey values of a pixel.

@@ -7,13 +7,15 @@ mod lab;
 mod mesh;
 mod messages;
 mod packed;
+mod plan;
 mod problem;
 mod report;
 pub(crate) mod worker;
 
 pub(crate) use lab::{Lab, Progress};
 pub(crate) use mesh::{Mesh, Through};
-pub(crate) use messages::{FileKind, PictureSet};
+pub(crate) use messages::{PictureSet, Thumbnail};
+pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{
     Face, Facts, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,

@@ -1,6 +1,7 @@
 //! What went wrong, said so that a person can act on it: the cause, and the next step.
 
 use serde::{Deserialize, Serialize};
+use snellius::export::ExportError;
 use snellius::pipeline::{PipelineError, Stage};
 use snellius::scan::ScanError;
 
@@ -65,6 +66,15 @@ impl Problem {
                         happens again, please report this message."
                     .to_owned(),
         }
+    }
+}
+
+impl From<ExportError> for Problem {
+    fn from(error: ExportError) -> Self {
+        Self::input(
+            format!("This file cannot be written: {error}."),
+            "Save it in another format.",
+        )
     }
 }
 

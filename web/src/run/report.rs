@@ -106,8 +106,8 @@ pub(crate) struct ObjectPoint {
     pub(crate) place: Shown,
     /// Where it would lie if refraction were ignored.
     pub(crate) unrefracted: Shown,
-    /// One standard deviation along each axis, mm.
-    pub(crate) sigma: Shown,
+    /// Its covariance from the pictures' noise: xx, xy, xz, yy, yz, zz, mm^2.
+    pub(crate) covariance: [f32; 6],
     /// How far its two light paths pass each other, mm.
     pub(crate) ray_distance: f32,
     /// How far behind the wall's inner face it lies, mm.
@@ -242,7 +242,7 @@ impl Outcome {
         let mut object = Vec::new();
         let views = result.views.into_iter().enumerate().map(|(view, result)| {
             let first = object.len();
-            object.extend(object_points(reconstruction, view, &result));
+            object.extend(object_points(reconstruction, view));
             view_outcome(reconstruction, view, result, first..object.len())
         });
         Self {
@@ -280,7 +280,8 @@ impl Outcome {
 impl ObjectPoint {
     /// The length of the three standard deviations together, mm.
     pub(crate) fn sigma(&self) -> f32 {
-        self.sigma.iter().map(|s| s * s).sum::<f32>().sqrt()
+        let [xx, _, _, yy, _, zz] = self.covariance;
+        (xx + yy + zz).sqrt()
     }
 }
 
@@ -297,16 +298,12 @@ impl Face {
 }
 
 impl Packed for ObjectPoint {
-    const COUNT: usize = 12;
+    const COUNT: usize = 15;
 
     fn pack(&self, numbers: &mut Vec<f32>) {
         numbers.push(self.view as f32);
-        numbers.extend(
-            self.place
-                .iter()
-                .chain(&self.unrefracted)
-                .chain(&self.sigma),
-        );
+        numbers.extend(self.place.iter().chain(&self.unrefracted));
+        numbers.extend(self.covariance);
         numbers.extend([self.ray_distance, self.depth]);
     }
 
@@ -315,9 +312,9 @@ impl Packed for ObjectPoint {
             view: n[0] as usize,
             place: [n[1], n[2], n[3]],
             unrefracted: [n[4], n[5], n[6]],
-            sigma: [n[7], n[8], n[9]],
-            ray_distance: n[10],
-            depth: n[11],
+            covariance: [n[7], n[8], n[9], n[10], n[11], n[12]],
+            ray_distance: n[13],
+            depth: n[14],
         }
     }
 }
@@ -395,22 +392,23 @@ fn face(wall: &snellius::vessel::Wall) -> Face {
 fn object_points<'a>(
     reconstruction: &'a Reconstruction,
     view: usize,
-    result: &'a ViewResult,
 ) -> impl Iterator<Item = ObjectPoint> + 'a {
     let wall = &reconstruction.vessel.wall;
-    let places = result.object.iter().zip(&reconstruction.unrefracted[view]);
-    let sizes = result.object_sigma.iter().zip(result.ray_distance.iter());
-    let points = places.zip(sizes);
-    points.map(
-        move |((place, unrefracted), (sigma, ray_distance))| ObjectPoint {
+    let points = reconstruction.object[view].points.iter();
+    let places = points.zip(&reconstruction.unrefracted[view]);
+    places.map(move |(point, unrefracted)| {
+        let place = point.meeting.point();
+        let c = &point.noise.covariance;
+        let covariance = [c.m11, c.m12, c.m13, c.m22, c.m23, c.m33];
+        ObjectPoint {
             view,
-            place: shown(*place),
-            unrefracted: shown(unrefracted.map_or(*place, Point::to_array)),
-            sigma: shown(*sigma),
-            ray_distance: *ray_distance as f32,
-            depth: (-wall.outer.signed_distance((*place).into()) - wall.thickness) as f32,
-        },
-    )
+            place: shown(place.to_array()),
+            unrefracted: shown(unrefracted.unwrap_or(place).to_array()),
+            covariance: covariance.map(|value| value as f32),
+            ray_distance: point.meeting.gap().abs() as f32,
+            depth: (-wall.outer.signed_distance(place) - wall.thickness) as f32,
+        }
+    })
 }
 
 fn vessel_points(reconstruction: &Reconstruction) -> Vec<VesselPoint> {

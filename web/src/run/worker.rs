@@ -3,17 +3,18 @@
 use std::cell::RefCell;
 use std::io::BufReader;
 
-use js_sys::Array;
-use snellius::export::{ReconstructionResult, object_ply, points_csv, vessel_ply};
-use snellius::pipeline::{Settings, observe, reconstruct};
+use js_sys::{Array, Uint8Array};
+use snellius::export::{Format, ReconstructionResult};
+use snellius::pipeline::{correct, observe, reconstruct};
 use snellius::scan::Archive;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
 
 use super::blob_reader::BlobReader;
-use super::develop::develop;
-use super::messages::{Answer, FileKind, Question, READY, Reply, Request};
+use super::develop::{develop, thumbnail};
+use super::messages::{Answer, Question, READY, Reply, Request};
+use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 
@@ -81,11 +82,14 @@ impl Desk {
                 self.spots = spots;
                 Ok(Reply::Kept)
             }
-            Request::Measure(settings) => self.measure(&settings),
+            Request::Measure(plan) => self.measure(&plan),
             Request::Pictures { view } => {
                 Ok(Reply::Pictures(develop(&self.archive()?.pictures(view)?)))
             }
-            Request::Write(kind) => self.write(kind),
+            Request::Thumbnail { view } => Ok(Reply::Thumbnail(thumbnail(
+                &self.archive()?.pictures(view)?.on,
+            ))),
+            Request::Write(format) => self.write(format),
         }
     }
 
@@ -98,9 +102,10 @@ impl Desk {
         Ok(Reply::Opened(Box::new(facts)))
     }
 
-    fn measure(&mut self, settings: &Settings) -> Result<Reply, Problem> {
+    fn measure(&mut self, plan: &Plan) -> Result<Reply, Problem> {
+        correct(&mut self.spots, &plan.corrections);
         let scan = self.archive()?.scan().clone();
-        let reconstruction = reconstruct(&scan, &self.spots, settings)?;
+        let reconstruction = reconstruct(&scan, &self.spots, &plan.settings)?;
         if reconstruction.index.value.is_none() {
             return Err(Problem::index_wanted(
                 reconstruction.index.reason.as_deref(),
@@ -111,14 +116,10 @@ impl Desk {
         Ok(Reply::Measured(Box::new(outcome)))
     }
 
-    fn write(&self, kind: FileKind) -> Result<Reply, Problem> {
+    fn write(&self, format: Format) -> Result<Reply, Problem> {
         let result = self.result.as_ref().ok_or_else(out_of_order)?;
-        Ok(Reply::Written(match kind {
-            FileKind::Result => result.to_json(),
-            FileKind::Object => object_ply(result),
-            FileKind::Vessel => vessel_ply(result),
-            FileKind::Table => points_csv(result),
-        }))
+        let bytes = result.write(format)?;
+        Ok(Reply::Written(Uint8Array::from(bytes.as_slice())))
     }
 
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {

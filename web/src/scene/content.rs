@@ -12,12 +12,13 @@ use super::orbit::Orbit;
 use super::palette::Palette;
 use super::patch::Patch;
 use super::points::ScenePoint;
-use crate::colours::Scale;
-use crate::run::{Facts, ObjectPoint, Outcome, Place, Shown, StationFacts};
+use crate::colours::{MIDDLE, Scale};
+use crate::measuring::Picked;
+use crate::run::{Facts, Outcome, Place, Shown, StationFacts};
 use crate::state::ColourBy;
 
 /// More beams would hide what they light.
-const MOST_BEAMS: usize = 400;
+const MOST_BEAMS: usize = 150;
 
 /// What is to be seen. Empty until a scan is measured.
 #[derive(Default)]
@@ -31,6 +32,8 @@ pub(super) struct Content {
     pub(super) about_wall: bool,
     /// The view that is chosen.
     pub(super) chosen: Option<usize>,
+    /// The points that are measured with, face by face.
+    pub(super) picked: [Vec<Picked>; 2],
     patch: Option<Patch>,
     grid: Option<Grid>,
 }
@@ -44,19 +47,21 @@ impl Content {
         palette: &Palette,
     ) -> Self {
         let scale = Scale::of(&facts, &outcome, by);
-        let object = outcome.object.iter().map(|point| {
-            let colour = scale.of_object(&facts, by, point);
-            object_point(point, colour.map_or(palette.plain_point, opaque))
+        let object = outcome.object.iter().enumerate().map(|(index, point)| {
+            let index = index - outcome.views[point.view].points.start;
+            let coloured = scale.of_object(&facts, by, point);
+            let places = [point.place, point.unrefracted].map(shown);
+            scene_point(
+                (point.view, Some(index)),
+                places,
+                coloured,
+                palette.plain_point,
+            )
         });
         let vessel = outcome.vessel.iter().map(|point| {
-            let colour = scale.of_vessel(by, point);
-            let place = shown(point.place);
-            ScenePoint {
-                view: point.view,
-                place,
-                unrefracted: place,
-                colour: colour.map_or(palette.vessel_point, opaque),
-            }
+            let coloured = scale.of_vessel(by, point);
+            let places = [shown(point.place); 2];
+            scene_point((point.view, None), places, coloured, palette.vessel_point)
         });
         let up = up(&facts);
         let places: Vec<Vec3> = outcome.vessel.iter().map(|p| shown(p.place)).collect();
@@ -66,6 +71,7 @@ impl Content {
             vessel: vessel.collect(),
             about_wall: by == ColourBy::Residual,
             chosen,
+            picked: Default::default(),
             patch: Some(patch),
             grid: None,
             measured: Some((facts, outcome)),
@@ -153,15 +159,37 @@ impl Content {
         self.grid.iter().flat_map(Grid::labels).collect()
     }
 
-    /// A ring around the chosen view's point.
-    pub(super) fn marker(&self, palette: &Palette) -> Vec<ScenePoint> {
-        let chosen = self.object.iter().filter(|p| Some(p.view) == self.chosen);
-        chosen
-            .map(|point| ScenePoint {
-                colour: palette.marker,
-                ..*point
-            })
-            .collect()
+    /// A ring around each point of the chosen view, and of those that are measured with.
+    pub(super) fn rings(&self, palette: &Palette) -> Vec<ScenePoint> {
+        let ring = |point: &ScenePoint, colour| ScenePoint { colour, ..*point };
+        let chosen = self
+            .chosen
+            .into_iter()
+            .flat_map(|view| self.points_of(view));
+        let mut rings: Vec<_> = chosen.map(|point| ring(point, palette.marker)).collect();
+        for (face, picked) in self.picked.iter().enumerate() {
+            let points = picked
+                .iter()
+                .filter_map(|(view, index)| self.points_of(*view).get(*index));
+            rings.extend(points.map(|point| ring(point, palette.faces[face])));
+        }
+        rings
+    }
+
+    /// The object's points of a view.
+    fn points_of(&self, view: usize) -> &[ScenePoint] {
+        let views = self.measured.iter().flat_map(|(_, outcome)| &outcome.views);
+        let points = views.into_iter().nth(view).map(|view| view.points.clone());
+        points.map_or(&[], |points| &self.object[points])
+    }
+
+    /// How large points are drawn, CSS px: of many each is small.
+    pub(super) fn point_size(&self) -> f32 {
+        match self.object.len().max(self.vessel.len()) {
+            0..3_000 => 9.0,
+            3_000..30_000 => 5.0,
+            _ => 3.0,
+        }
     }
 
     /// The light of the chosen view, on the way from straight (0) to bent (1).
@@ -207,12 +235,23 @@ impl Content {
     }
 }
 
-fn object_point(point: &ObjectPoint, colour: [f32; 4]) -> ScenePoint {
+fn scene_point(
+    (view, index): (usize, Option<usize>),
+    [place, unrefracted]: [Vec3; 2],
+    coloured: Option<([u8; 3], f32)>,
+    plain: [f32; 4],
+) -> ScenePoint {
+    let (colour, fraction) = match coloured {
+        Some((colour, fraction)) => (opaque(colour), fraction),
+        None => (plain, MIDDLE),
+    };
     ScenePoint {
-        view: point.view,
-        place: shown(point.place),
-        unrefracted: shown(point.unrefracted),
+        view,
+        index,
+        place,
+        unrefracted,
         colour,
+        fraction,
     }
 }
 

@@ -12,6 +12,14 @@ use super::stage::Stage;
 /// A drag shorter than this (CSS px) is a click.
 const CLICK: f32 = 4.0;
 
+/// What a gesture was, in the end.
+pub(super) enum Ended {
+    /// A click, and where (CSS px).
+    Click(Vec2),
+    /// A box around points: two corners.
+    Frame([Vec2; 2]),
+}
+
 /// What the pointers on the canvas do.
 #[derive(Default)]
 pub(super) struct Gestures {
@@ -23,6 +31,8 @@ struct Pointer {
     start: Vec2,
     now: Vec2,
     shifts: bool,
+    /// It draws a box around points.
+    frames: bool,
     /// It has gone too far, or in too much company, to be a click.
     is_drag: bool,
 }
@@ -35,6 +45,7 @@ impl Gestures {
             start: at,
             now: at,
             shifts: event.button() == 2 || event.shift_key(),
+            frames: event.ctrl_key() || event.meta_key(),
             is_drag: false,
         };
         let mut pointers = self.pointers.borrow_mut();
@@ -54,6 +65,9 @@ impl Gestures {
         };
         pointer.now = place(event);
         pointer.is_drag |= (pointer.now - pointer.start).magnitude() >= CLICK;
+        if pointer.frames {
+            return;
+        }
         let (is_drag, shifts) = (pointer.is_drag, pointer.shifts);
         let after: Vec<Vec2> = pointers.values().map(|pointer| pointer.now).collect();
         let picture = stage.css_size();
@@ -69,10 +83,21 @@ impl Gestures {
         }
     }
 
-    /// Ends a gesture; the place of the click, if it was one.
-    pub(super) fn up(&self, event: &PointerEvent) -> Option<Vec2> {
+    /// The box that is being drawn around points, if one is: two corners.
+    pub(super) fn frame(&self) -> Option<[Vec2; 2]> {
+        let pointers = self.pointers.borrow();
+        let pointer = pointers.values().find(|p| p.frames && p.is_drag)?;
+        Some([pointer.start, pointer.now])
+    }
+
+    /// Ends a gesture.
+    pub(super) fn up(&self, event: &PointerEvent) -> Option<Ended> {
         let pointer = self.pointers.borrow_mut().remove(&event.pointer_id())?;
-        (!pointer.is_drag && event.button() == 0).then_some(pointer.now)
+        match (pointer.is_drag, pointer.frames) {
+            (true, true) => Some(Ended::Frame([pointer.start, pointer.now])),
+            (false, _) if event.button() == 0 => Some(Ended::Click(pointer.now)),
+            _ => None,
+        }
     }
 
     pub(super) fn lost(&self, event: &PointerEvent) {

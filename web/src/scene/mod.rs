@@ -19,15 +19,17 @@ use std::rc::Rc;
 
 use leptos::html;
 use leptos::prelude::*;
+use three_d::Vec2;
 use wasm_bindgen::prelude::*;
 use web_sys::{HtmlCanvasElement, MediaQueryList, ResizeObserver};
 
 use self::content::Content;
-use self::gestures::{Gestures, keys};
+use self::gestures::{Ended, Gestures, keys};
 use self::palette::Palette;
 use self::stage::{Stage, Subject};
 use crate::colours::wants_little_motion;
 use crate::legend::Legend;
+use crate::measuring::{Measuring, MeasuringBar};
 use crate::state::{ColourBy, SceneCommand, Workbench};
 
 /// The scene with its controls.
@@ -38,6 +40,7 @@ pub(crate) fn Scene() -> impl IntoView {
     let labels = NodeRef::<html::Div>::new();
     let stage = StoredValue::new_local(None::<Stage>);
     let missing = RwSignal::new(false);
+    let frame = RwSignal::new(None);
 
     Effect::new(move |_| {
         let (Some(canvas), Some(labels)) = (canvas.get(), labels.get()) else {
@@ -45,7 +48,7 @@ pub(crate) fn Scene() -> impl IntoView {
         };
         match Stage::new(canvas.clone(), labels.into()) {
             Ok(new) => {
-                attend(&canvas, &new, workbench);
+                attend(&canvas, &new, workbench, frame);
                 follow(&new, workbench);
                 stage.set_value(Some(new));
             }
@@ -60,6 +63,7 @@ pub(crate) fn Scene() -> impl IntoView {
     view! {
         <section class="scene panel" aria-label="Scene in 3-D">
             <Toolbar />
+            <MeasuringBar />
             <div class="stage">
                 <canvas
                     node_ref=canvas
@@ -72,6 +76,7 @@ pub(crate) fn Scene() -> impl IntoView {
                 ></canvas>
                 <div class="scene-labels" node_ref=labels aria-hidden="true"></div>
                 <Legend />
+                {move || frame.get().map(drawn_frame)}
                 <Show when=move || missing.get()>
                     <p class="no-webgl" role="alert">
                         "This browser gives no WebGL2, so there is no picture in 3-D. Everything else \
@@ -82,6 +87,21 @@ pub(crate) fn Scene() -> impl IntoView {
                 </Show>
             </div>
         </section>
+    }
+}
+
+/// A box that is being drawn around points.
+fn drawn_frame([one, other]: [Vec2; 2]) -> impl IntoView {
+    let px = |value: f32| format!("{value}px");
+    view! {
+        <div
+            class="drawn-frame"
+            aria-hidden="true"
+            style:left=px(one.x.min(other.x))
+            style:top=px(one.y.min(other.y))
+            style:width=px((one.x - other.x).abs())
+            style:height=px((one.y - other.y).abs())
+        ></div>
     }
 }
 
@@ -221,7 +241,12 @@ fn follow(stage: &Stage, workbench: Workbench) {
     Effect::new(move |_| show.get_value().choose(workbench.chosen.get()));
     Effect::new(move |_| {
         show.get_value()
-            .set_orthographic(workbench.orthographic.get())
+            .pick(workbench.measuring.with(|m| m.faces().clone()));
+    });
+    Effect::new(move |_| show.get_value().hide_beyond(workbench.shown_range.get()));
+    Effect::new(move |_| {
+        show.get_value()
+            .set_orthographic(workbench.orthographic.get());
     });
     Effect::new(move |_| {
         let Some(command) = workbench.command.get() else {
@@ -245,7 +270,12 @@ fn follow(stage: &Stage, workbench: Workbench) {
 }
 
 /// Listens to the canvas: pointers, wheel, size.
-fn attend(canvas: &HtmlCanvasElement, stage: &Stage, workbench: Workbench) {
+fn attend(
+    canvas: &HtmlCanvasElement,
+    stage: &Stage,
+    workbench: Workbench,
+    frame: RwSignal<Option<[Vec2; 2]>>,
+) {
     let gestures = Rc::new(Gestures::default());
     let on = |name: &str, act: Box<dyn FnMut(web_sys::Event)>| {
         let closure = Closure::<dyn FnMut(web_sys::Event)>::wrap(act);
@@ -267,15 +297,36 @@ fn attend(canvas: &HtmlCanvasElement, stage: &Stage, workbench: Workbench) {
     let (hand, on_stage) = (gestures.clone(), stage.clone());
     on(
         "pointermove",
-        Box::new(move |event| hand.moved(&on_stage, event.unchecked_ref())),
+        Box::new(move |event| {
+            hand.moved(&on_stage, event.unchecked_ref());
+            frame.set(hand.frame());
+        }),
     );
     let (hand, on_stage) = (gestures.clone(), stage.clone());
     on(
         "pointerup",
         Box::new(move |event| {
-            let place = hand.up(event.unchecked_ref());
-            if let Some(point) = place.and_then(|place| on_stage.point_at(place)) {
-                workbench.choose(Some(point.view));
+            frame.set(None);
+            match hand.up(event.unchecked_ref()) {
+                Some(Ended::Click(place)) => {
+                    let Some(point) = on_stage.point_at(place) else {
+                        return;
+                    };
+                    workbench.choose(Some(point.view));
+                    if let Some(index) = point.index {
+                        workbench.pick((point.view, index));
+                    }
+                }
+                Some(Ended::Frame(corners))
+                    if workbench.measuring.with_untracked(Measuring::is_on) =>
+                {
+                    let points = on_stage.points_within(corners).into_iter();
+                    let picked = points.filter_map(|p| Some((p.view, p.index?)));
+                    workbench
+                        .measuring
+                        .update(|measuring| measuring.add(picked));
+                }
+                _ => {}
             }
         }),
     );

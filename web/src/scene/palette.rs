@@ -15,6 +15,8 @@ pub(super) struct Palette {
     pub(super) wall_edge: [f32; 4],
     pub(super) displacement: [f32; 4],
     pub(super) marker: [f32; 4],
+    /// Points of the first and the second face that are measured with.
+    pub(super) faces: [[f32; 4]; 2],
     pub(super) beam: [f32; 4],
     pub(super) sight: [f32; 4],
 }
@@ -42,6 +44,7 @@ const DARK: Palette = Palette {
     wall_edge: rgba(0x8fd3e6, 0.75),
     displacement: rgba(0xd7e3ea, 0.45),
     marker: rgba(0xffffff, 1.0),
+    faces: [rgba(0x56b4e9, 1.0), rgba(0xe69f00, 1.0)],
     beam: rgba(0xff6a4d, 1.0),
     sight: rgba(0xffd166, 1.0),
 };
@@ -58,6 +61,7 @@ const LIGHT: Palette = Palette {
     wall_edge: rgba(0x1b7a96, 0.75),
     displacement: rgba(0x24404f, 0.4),
     marker: rgba(0x10202a, 1.0),
+    faces: [rgba(0x0072b2, 1.0), rgba(0xd55e00, 1.0)],
     beam: rgba(0xc8330f, 1.0),
     sight: rgba(0x9a5b00, 1.0),
 };

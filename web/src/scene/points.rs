@@ -3,8 +3,8 @@
 
 use three_d::context::POINTS;
 use three_d::{
-    Blend, Context, CoreError, DepthTest, HasContext, Mat4, Program, RenderStates, Vec3, Vec4,
-    VertexBuffer, Viewport, WriteMask,
+    Blend, Context, CoreError, DepthTest, HasContext, Mat4, Program, RenderStates, Vec2, Vec3,
+    Vec4, VertexBuffer, Viewport, WriteMask,
 };
 
 /// A point to draw.
@@ -12,12 +12,16 @@ use three_d::{
 pub(super) struct ScenePoint {
     /// The view it comes from.
     pub(super) view: usize,
+    /// Which of the view's points of the object it is; none, if it lies on the wall.
+    pub(super) index: Option<usize>,
     /// Where it is.
     pub(super) place: Vec3,
     /// Where it would be without refraction.
     pub(super) unrefracted: Vec3,
     /// Red, green, blue, opacity.
     pub(super) colour: [f32; 4],
+    /// Where it lies on the scale of the colours, 0 to 1.
+    pub(super) fraction: f32,
 }
 
 impl ScenePoint {
@@ -36,6 +40,8 @@ pub(super) struct PointStyle {
     pub(super) rim: [f32; 3],
     /// 0: without refraction, 1: with.
     pub(super) refraction: f32,
+    /// Points beyond these fractions of the scale are hidden.
+    pub(super) range: [f32; 2],
     /// Only a ring, over everything.
     pub(super) ring: bool,
 }
@@ -47,6 +53,7 @@ pub(super) struct Points {
     places: VertexBuffer<Vec3>,
     unrefracted: VertexBuffer<Vec3>,
     colours: VertexBuffer<Vec4>,
+    fractions: VertexBuffer<f32>,
     count: usize,
 }
 
@@ -62,6 +69,7 @@ impl Points {
             places: VertexBuffer::new(context),
             unrefracted: VertexBuffer::new(context),
             colours: VertexBuffer::new(context),
+            fractions: VertexBuffer::new(context),
             count: 0,
         })
     }
@@ -70,6 +78,8 @@ impl Points {
         let places: Vec<_> = points.iter().map(|p| p.place).collect();
         let unrefracted: Vec<_> = points.iter().map(|p| p.unrefracted).collect();
         let colours: Vec<_> = points.iter().map(|p| Vec4::from(p.colour)).collect();
+        let fractions: Vec<_> = points.iter().map(|p| p.fraction).collect();
+        self.fractions.fill(&fractions);
         self.places.fill(&places);
         self.unrefracted.fill(&unrefracted);
         self.colours.fill(&colours);
@@ -85,10 +95,12 @@ impl Points {
         program.use_uniform("size", style.size);
         program.use_uniform("rim", Vec3::from(style.rim));
         program.use_uniform("refraction", style.refraction);
+        program.use_uniform("range", Vec2::from(style.range));
         program.use_uniform("ring", f32::from(u8::from(style.ring)));
         program.use_vertex_attribute("place", &self.places);
         program.use_vertex_attribute("unrefracted", &self.unrefracted);
         program.use_vertex_attribute("colour", &self.colours);
+        program.use_vertex_attribute("fraction", &self.fractions);
         let states = RenderStates {
             blend: Blend::TRANSPARENCY,
             depth_test: if style.ring {

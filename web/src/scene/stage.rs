@@ -5,7 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use three_d::{ClearState, Context, CoreError, RenderTarget, Vec2, Vec3, Viewport};
+use three_d::{ClearState, Context, CoreError, InnerSpace, RenderTarget, Vec2, Viewport};
 use wasm_bindgen::prelude::*;
 use web_sys::{
     HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
@@ -19,6 +19,7 @@ use super::lines::Lines;
 use super::orbit::Orbit;
 use super::palette::Palette;
 use super::points::{PointStyle, Points, ScenePoint};
+use crate::measuring::Picked;
 use crate::state::Look;
 
 /// Why there is no stage.
@@ -48,6 +49,8 @@ struct Inner {
     refraction: Cell<f32>,
     /// What the refraction is on its way to.
     wanted_refraction: Cell<f32>,
+    /// Points beyond these fractions of the colours are hidden.
+    range: Cell<[f32; 2]>,
     /// What the picture was last fitted to, until a hand moves the camera.
     fitted: Cell<Option<Subject>>,
     frame_asked_for: Cell<bool>,
@@ -101,6 +104,7 @@ impl Stage {
             orbit: Cell::new(Orbit::default()),
             refraction: Cell::new(1.0),
             wanted_refraction: Cell::new(1.0),
+            range: Cell::new([0.0, 1.0]),
             fitted: Cell::new(None),
             frame_asked_for: Cell::new(false),
             last_frame: Cell::new(0.0),
@@ -135,14 +139,22 @@ impl Stage {
         set.displacements.fill(&content.displacements(&palette));
         set.wall.fill(&content.wall_faces(&palette));
         self.0.labels.fill(content.labels());
+        let picked = std::mem::take(&mut set.content.picked);
         set.palette = palette;
         set.content = content;
+        set.content.picked = picked;
         self.draw_soon();
     }
 
     /// Marks a view's point and draws its light.
     pub(super) fn choose(&self, view: Option<usize>) {
         self.0.set.borrow_mut().content.chosen = view;
+        self.draw_soon();
+    }
+
+    /// Rings the points that are measured with.
+    pub(super) fn pick(&self, picked: [Vec<Picked>; 2]) {
+        self.0.set.borrow_mut().content.picked = picked;
         self.draw_soon();
     }
 
@@ -179,6 +191,12 @@ impl Stage {
         self.fit(Subject::Measured);
     }
 
+    /// Hides points beyond these fractions of the colours.
+    pub(super) fn hide_beyond(&self, range: [f32; 2]) {
+        self.0.range.set(range);
+        self.draw_soon();
+    }
+
     /// With or without perspective.
     pub(super) fn set_orthographic(&self, on: bool) {
         let mut orbit = self.0.orbit.get();
@@ -213,23 +231,45 @@ impl Stage {
     /// The point of object or wall that is nearest to a place of the canvas (CSS px), if one is near.
     pub(super) fn point_at(&self, place: Vec2) -> Option<ScenePoint> {
         const REACH: f32 = 14.0;
+        let near = |(at, point): (Vec2, ScenePoint)| {
+            let distance = (at - place).magnitude();
+            (distance <= REACH).then_some((distance, point))
+        };
+        let points = self.seen_points().into_iter().filter_map(near);
+        points
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, point)| point)
+    }
+
+    /// The points between two corners of the canvas (CSS px).
+    pub(super) fn points_within(&self, [one, other]: [Vec2; 2]) -> Vec<ScenePoint> {
+        let between = |at: f32, a: f32, b: f32| (a.min(b)..=a.max(b)).contains(&at);
+        let points = self.seen_points().into_iter();
+        points
+            .filter(|(at, _)| between(at.x, one.x, other.x) && between(at.y, one.y, other.y))
+            .map(|(_, point)| point)
+            .collect()
+    }
+
+    /// All points that are not hidden, with their places on the canvas (CSS px).
+    fn seen_points(&self) -> Vec<(Vec2, ScenePoint)> {
         let size = self.css_size();
         let camera = self.0.orbit.get().camera(self.viewport());
         let matrix = camera.projection() * camera.view();
         let refraction = smooth(self.0.refraction.get());
-        let set = self.0.set.borrow();
-        let distance = |at: Vec3| {
-            let clip = matrix * at.extend(1.0);
+        let [low, high] = self.0.range.get();
+        let place = |point: &ScenePoint| {
+            let clip = matrix * point.between(refraction).extend(1.0);
             let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
             let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
-            (clip.w > 0.0).then(|| (x - place.x).hypot(y - place.y))
+            (clip.w > 0.0).then_some((Vec2::new(x, y), *point))
         };
-        let points = set.content.object.iter().chain(&set.content.vessel);
+        let content = &self.0.set.borrow().content;
+        let points = content.object.iter().chain(&content.vessel);
         points
-            .filter_map(|p| Some((distance(p.between(refraction))?, *p)))
-            .filter(|(distance, _)| *distance <= REACH)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, point)| point)
+            .filter(|p| (low..=high).contains(&p.fraction))
+            .filter_map(place)
+            .collect()
     }
 
     /// The canvas's size, CSS px.
@@ -314,19 +354,21 @@ impl Stage {
         let refraction = smooth(self.0.refraction.get());
         let set = &mut *self.0.set.borrow_mut();
         let palette = set.palette;
-        set.marker.fill(&set.content.marker(&palette));
+        set.marker.fill(&set.content.rings(&palette));
         set.chosen_light
             .fill(&set.content.chosen_light(&palette, refraction));
 
+        let large = set.content.point_size();
         let (object_size, vessel_size) = if set.content.about_wall {
-            (5.0, 9.0)
+            (0.5 * large, large)
         } else {
-            (9.0, 4.5)
+            (large, 0.5 * large)
         };
         let object = PointStyle {
             size: object_size * scale,
             rim: palette.rim,
             refraction,
+            range: self.0.range.get(),
             ring: false,
         };
         let vessel = PointStyle {
@@ -334,7 +376,7 @@ impl Stage {
             ..object
         };
         let marker = PointStyle {
-            size: 19.0 * scale,
+            size: 2.1 * large * scale,
             ring: true,
             ..object
         };

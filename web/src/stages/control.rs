@@ -5,6 +5,9 @@ use snellius::pipeline::{NumberParameter, PARAMETERS, Parameter, ParameterKind, 
 
 use crate::state::Workbench;
 
+/// Reads a parameter.
+type Getter<T> = fn(&Settings) -> T;
+
 /// The choices of a stage: they are seen at once.
 #[component]
 pub(super) fn Choices(stage: Stage) -> impl IntoView {
@@ -146,7 +149,7 @@ fn number_field(
 fn switch_field(
     workbench: Workbench,
     parameter: &'static Parameter,
-    (get, set): (fn(&Settings) -> bool, fn(&mut Settings, bool)),
+    (get, set): (Getter<bool>, fn(&mut Settings, bool)),
 ) -> impl IntoView {
     let turn = move |event| {
         let on = event_target_checked(&event);
@@ -173,7 +176,7 @@ fn choice_field(
     workbench: Workbench,
     parameter: &'static Parameter,
     options: &'static [(&'static str, &'static str)],
-    (get, set): (fn(&Settings) -> &'static str, fn(&mut Settings, &str)),
+    (get, set): (Getter<&'static str>, fn(&mut Settings, &str)),
 ) -> impl IntoView {
     let choose = move |event| {
         let word = event_target_value(&event);

@@ -1,50 +1,39 @@
 //! The files a result can be saved as: the same ones, byte for byte, that the companion program writes.
 
 use leptos::prelude::*;
+use snellius::export::Format;
 use wasm_bindgen_futures::spawn_local;
 
 use crate::files::save;
-use crate::run::{FileKind, Problem};
+use crate::run::Problem;
 use crate::state::Workbench;
 
 struct Download {
-    kind: FileKind,
-    name: &'static str,
-    media_type: &'static str,
+    format: Format,
     test_id: &'static str,
     what: &'static str,
 }
 
-const DOWNLOADS: [Download; 4] = [
-    Download {
-        kind: FileKind::Result,
-        name: "result.json",
-        media_type: "application/json",
-        test_id: "download-json",
-        what: "everything",
-    },
-    Download {
-        kind: FileKind::Object,
-        name: "object.ply",
-        media_type: "application/octet-stream",
-        test_id: "download-object-ply",
-        what: "object points",
-    },
-    Download {
-        kind: FileKind::Vessel,
-        name: "vessel.ply",
-        media_type: "application/octet-stream",
-        test_id: "download-vessel-ply",
-        what: "wall points",
-    },
-    Download {
-        kind: FileKind::Table,
-        name: "points.csv",
-        media_type: "text/csv",
-        test_id: "download-csv",
-        what: "table of views",
-    },
+const DOWNLOADS: [Download; 10] = [
+    download(Format::Json, "download-json", "everything"),
+    download(Format::Ply, "download-object-ply", "object points"),
+    download(Format::VesselPly, "download-vessel-ply", "wall points"),
+    download(Format::Csv, "download-csv", "table of views"),
+    download(Format::ObjectCsv, "download-object-csv", "table of points"),
+    download(Format::Pcd, "download-pcd", "object points"),
+    download(Format::Glb, "download-glb", "3-D scene"),
+    download(Format::Stl, "download-stl", "object surface"),
+    download(Format::Obj, "download-obj", "object surface"),
+    download(Format::Html, "download-html", "to print"),
 ];
+
+const fn download(format: Format, test_id: &'static str, what: &'static str) -> Download {
+    Download {
+        format,
+        test_id,
+        what,
+    }
+}
 
 /// A button a file.
 #[component]
@@ -58,10 +47,11 @@ pub(super) fn Downloads() -> impl IntoView {
 
 fn button(download: Download) -> impl IntoView {
     let workbench = Workbench::get();
+    let format = download.format;
     let write = move |_| {
         spawn_local(async move {
-            let written = workbench.write(download.kind).await.and_then(|text| {
-                save(&text, download.name, download.media_type)
+            let written = workbench.write(format).await.and_then(|bytes| {
+                save(&bytes, format.file_name(), format.media_type())
                     .map_err(|e| Problem::own(format!("The browser does not save: {e:?}")))
             });
             if let Err(problem) = written {
@@ -70,15 +60,15 @@ fn button(download: Download) -> impl IntoView {
         });
     };
     view! {
-        <button
+            <button
             type="button"
             class="download"
             data-testid=download.test_id
             disabled=move || workbench.outcome.with(Option::is_none)
             on:click=write
         >
-            <span class="value">{download.name}</span>
-            <span class="what">{download.what}</span>
+            <span class="value">{format.file_name()}</span>
+                <span class="what">{download.what}</span>
         </button>
     }
 }

@@ -1,0 +1,92 @@
+//! What a person says of a spot is done, and everything after it follows.
+
+use std::fs::File;
+use std::io::BufReader;
+
+use snellius::export::{Status, ViewResult};
+use snellius::pipeline::{Correction, Settings, correct, observe, reconstruct};
+use snellius::scan::{Archive, Scan};
+use snellius::spots::{SpotRole, Spots};
+
+const VIEW: usize = 13;
+
+fn jar() -> (Scan, Vec<Spots>) {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../samples/jar.zip");
+    let mut archive = Archive::open(BufReader::new(File::open(path).unwrap())).unwrap();
+    let views = 0..archive.scan().stations.len();
+    let spots = views.map(|view| observe(&mut archive, view, &Settings::default()).unwrap());
+    let spots = spots.collect();
+    (archive.scan().clone(), spots)
+}
+
+fn measured(scan: &Scan, spots: &[Spots]) -> Vec<ViewResult> {
+    let settings = Settings::default();
+    reconstruct(scan, spots, &settings).unwrap().result().views
+}
+
+fn pixel_of(view: &ViewResult, role: SpotRole) -> [f64; 2] {
+    let spot = view.spots.iter().find(|spot| spot.role == role);
+    spot.unwrap().pixel
+}
+
+fn say(pixel: [f64; 2], role: SpotRole) -> Correction {
+    Correction {
+        view: VIEW,
+        pixel,
+        role,
+    }
+}
+
+#[test]
+fn a_spot_that_is_called_stray_gives_no_point_until_it_is_taken_back() {
+    let (scan, mut spots) = jar();
+    let before = measured(&scan, &spots);
+    assert_eq!(before[VIEW].status, Status::Ok);
+
+    let object = pixel_of(&before[VIEW], SpotRole::Object);
+    correct(&mut spots, &[say(object, SpotRole::Stray)]);
+    let corrected = measured(&scan, &spots);
+    assert_eq!(corrected[VIEW].status, Status::NoObjectSpot);
+    let count = |views: &[ViewResult]| views.iter().filter(|v| v.status == Status::Ok).count();
+    assert_eq!(count(&corrected), count(&before) - 1);
+
+    correct(&mut spots, &[]);
+    assert_eq!(measured(&scan, &spots), before);
+}
+
+#[test]
+fn a_wall_spot_that_is_called_stray_carries_the_wall_no_more() {
+    let (scan, mut spots) = jar();
+    let wall = pixel_of(&measured(&scan, &spots)[VIEW], SpotRole::Vessel);
+    correct(&mut spots, &[say(wall, SpotRole::Stray)]);
+    let corrected = measured(&scan, &spots);
+    assert_eq!(corrected[VIEW].vessel.first(), None);
+    assert_eq!(
+        corrected[VIEW].status,
+        Status::Ok,
+        "the object's spot is still there"
+    );
+}
+
+/// A faint spot a little off the true one is refused for its ray distance; a person may know better.
+#[test]
+fn a_refused_spot_that_is_called_the_objects_is_taken() {
+    let (scan, mut spots) = jar();
+    let object = pixel_of(&measured(&scan, &spots)[VIEW], SpotRole::Object);
+    let mut ghost = *spots[VIEW]
+        .spots
+        .iter()
+        .find(|spot| [spot.u, spot.v] == object)
+        .unwrap();
+    ghost.v += 12.0;
+    ghost.brightness *= 0.5;
+    spots[VIEW].spots.push(ghost);
+    let refused = measured(&scan, &spots);
+    assert_eq!(pixel_of(&refused[VIEW], SpotRole::Object), object);
+
+    let place = [ghost.u, ghost.v];
+    correct(&mut spots, &[say(place, SpotRole::Object)]);
+    let corrected = measured(&scan, &spots);
+    assert_eq!(pixel_of(&corrected[VIEW], SpotRole::Object), place);
+    assert_eq!(pixel_of(&corrected[VIEW], SpotRole::Stray), object);
+}
