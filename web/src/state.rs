@@ -15,7 +15,7 @@ use web_sys::Blob;
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Thumbnail, sleep,
+    Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
 };
 
 /// What the colours in the scene mean.
@@ -89,6 +89,8 @@ pub(crate) struct Workbench {
     pub(crate) outcome: RwSignal<Option<Arc<Outcome>>>,
     /// Why the settings give nothing; the outcome is then that of earlier ones.
     pub(crate) stage_problem: RwSignal<Option<Problem>>,
+    /// What the scan tells of the liquid's index, or why that cannot be said; nothing before it is asked.
+    pub(crate) study: RwSignal<Option<Arc<Result<Study, Problem>>>>,
     /// How it is measured: what is turned,
     pub(crate) settings: RwSignal<Settings>,
     /// and what is said of spots.
@@ -123,6 +125,8 @@ pub(crate) struct Workbench {
     measured: StoredValue<Plan>,
     /// The plan that gave what is shown.
     shown: StoredValue<Plan>,
+    /// The plan of the study that is shown or under way.
+    studied: StoredValue<Option<Plan>>,
 }
 
 impl Workbench {
@@ -134,6 +138,7 @@ impl Workbench {
             facts: RwSignal::new(None),
             outcome: RwSignal::new(None),
             stage_problem: RwSignal::new(None),
+            study: RwSignal::new(None),
             settings: RwSignal::new(Settings::default()),
             corrections: RwSignal::new(Vec::new()),
             rerun: RwSignal::new(None),
@@ -152,6 +157,7 @@ impl Workbench {
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
             shown: StoredValue::new(Plan::default()),
+            studied: StoredValue::new(None),
         }
     }
 
@@ -285,6 +291,8 @@ impl Workbench {
         self.measuring.set(Measuring::default());
         self.measured.set_value(Plan::default());
         self.stage_problem.set(None);
+        self.study.set(None);
+        self.studied.set_value(None);
         self.pictures.set(None);
         self.chosen.set(None);
         self.outcome.set(None);
@@ -393,6 +401,25 @@ impl Workbench {
         let mut plan = self.plan();
         change(&mut plan.settings);
         self.follow(what, plan);
+    }
+
+    /// Has it found out what the scan tells of the liquid's index, unless that is known already.
+    pub(crate) fn ask_for_study(self) {
+        let plan = self.plan().without_index();
+        let Some(lab) = self.lab.get_value() else {
+            return;
+        };
+        if self.studied.get_value().as_ref() == Some(&plan) {
+            return;
+        }
+        self.studied.set_value(Some(plan.clone()));
+        spawn_local(async move {
+            let study = lab.study(&plan).await;
+            let still_wanted = self.studied.get_value().as_ref() == Some(&plan);
+            if self.is_current(&lab) && still_wanted {
+                self.study.set(Some(Arc::new(study)));
+            }
+        });
     }
 
     /// Says what a spot of a view is, or (`None`) leaves it to the program, and measures again.

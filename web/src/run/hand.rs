@@ -18,6 +18,7 @@ use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumb
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
+use super::study::Study;
 
 type Answered = Result<Reply, Problem>;
 type Listener<E> = Closure<dyn FnMut(E)>;
@@ -108,6 +109,14 @@ impl Hand {
     pub(crate) async fn measure(&self, plan: &Plan) -> Result<Outcome, Problem> {
         match self.ask(Request::Measure(Box::new(plan.clone()))).await? {
             Reply::Measured(outcome) => Ok(*outcome),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it say what the spots it keeps tell of the liquid's index.
+    pub(crate) async fn study(&self, plan: &Plan) -> Result<Study, Problem> {
+        match self.ask(Request::Study(Box::new(plan.clone()))).await? {
+            Reply::Studied(study) => Ok(*study),
             _ => Err(unexpected()),
         }
     }

@@ -16,6 +16,7 @@ use super::messages::{PictureSet, Thumbnail};
 use super::plan::Plan;
 use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
+use super::study::Study;
 
 /// How far the search for spots is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -101,6 +102,18 @@ impl Lab {
         measurer.measured = outcome.is_ok().then(|| plan.clone());
         self.measurer.replace(Some(measurer));
         outcome
+    }
+
+    /// Says what the scan tells of the liquid's index.
+    pub(crate) async fn study(&self, plan: &Plan) -> Result<Study, Problem> {
+        let spots = self.spots(plan.settings, |_| {}).await?;
+        let measurer = self.measurer(plan.settings.spots, &spots).await?;
+        let study = measurer.hand.study(plan).await;
+        let own = |problem: &Problem| problem.kind == ProblemKind::Own;
+        if !study.as_ref().is_err_and(own) {
+            self.measurer.replace(Some(measurer));
+        }
+        study
     }
 
     /// Decodes the pictures of a view.

@@ -14,6 +14,7 @@ use web_sys::Blob;
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
+use super::study::Study;
 
 /// A question with its number.
 #[derive(Serialize, Deserialize)]
@@ -43,6 +44,8 @@ pub(crate) enum Request {
     Keep(Vec<Spots>),
     /// Measure vessel and object from the spots kept. Answered by `Measured`.
     Measure(Box<Plan>),
+    /// Say what the spots kept tell of the liquid's index. Answered by `Studied`.
+    Study(Box<Plan>),
     /// Decode the pictures of a view. Answered by `Pictures`.
     Pictures { view: usize },
     /// Decode a view's picture, small. Answered by `Thumbnail`.
@@ -60,6 +63,7 @@ pub(crate) enum Reply {
     Observed(Spots),
     Kept,
     Measured(Box<Outcome>),
+    Studied(Box<Study>),
     Pictures(PictureSet),
     Thumbnail(Thumbnail),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),

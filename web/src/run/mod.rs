@@ -10,6 +10,7 @@ mod packed;
 mod plan;
 mod problem;
 mod report;
+mod study;
 pub(crate) mod worker;
 
 pub(crate) use lab::{Lab, Progress};
@@ -18,8 +19,9 @@ pub(crate) use messages::{PictureSet, Thumbnail};
 pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{
-    Face, Facts, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
+    Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
 };
+pub(crate) use study::{CurveKind, MethodReport, Study, StudyCurve};
 
 /// Waits so many milliseconds.
 pub(crate) async fn sleep(milliseconds: i32) {

@@ -9,6 +9,14 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
+    /// The plan as far as it matters to what the scan tells of the liquid's index.
+    pub(crate) fn without_index(&self) -> Self {
+        let mut plan = self.clone();
+        plan.settings.index = None;
+        plan.settings.index_method = None;
+        plan
+    }
+
     /// The first stage that gives something else with `other`.
     pub(crate) fn first_changed(&self, other: &Self) -> Option<Stage> {
         let by_settings = self.settings.first_changed(&other.settings);

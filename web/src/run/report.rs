@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use snellius::camera::{Pixel, Slope};
 use snellius::export::{LineResult, ShapeChoiceResult, SpotResult, SpotRole, Status, ViewResult};
 use snellius::geometry::{Camera, Direction, Point, Pose, World};
+use snellius::index::IndexMethod;
 use snellius::optics::Surface;
 use snellius::pipeline::{LightPaths, Reconstruction, Summary, Warning};
 use snellius::scan::{Scan, VesselShape, sweeps};
@@ -58,7 +59,7 @@ pub(crate) struct StationFacts {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Outcome {
     /// The liquid's index that was used.
-    pub(crate) index: f64,
+    pub(crate) index: Index,
     /// The wall.
     pub(crate) wall: Wall,
     /// The result in a few numbers.
@@ -73,6 +74,15 @@ pub(crate) struct Outcome {
     pub(crate) vessel: Vec<VesselPoint>,
     /// What to know before trusting it.
     pub(crate) warnings: Vec<Warning>,
+}
+
+/// The liquid's index, and what it is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Index {
+    pub(crate) value: f64,
+    /// One standard deviation; missing where the index was given.
+    pub(crate) sigma: Option<f64>,
+    pub(crate) method: IndexMethod,
 }
 
 /// The vessel's wall.
@@ -246,7 +256,11 @@ impl Outcome {
             view_outcome(reconstruction, view, result, first..object.len())
         });
         Self {
-            index: reconstruction.media.liquid,
+            index: Index {
+                value: reconstruction.media.liquid,
+                sigma: reconstruction.index.sigma,
+                method: reconstruction.index.method,
+            },
             views: views.collect(),
             object,
             vessel: vessel_points(reconstruction),

@@ -5,7 +5,7 @@ use std::io::BufReader;
 
 use js_sys::{Array, Uint8Array};
 use snellius::export::{Format, ReconstructionResult};
-use snellius::pipeline::{correct, observe, reconstruct};
+use snellius::pipeline::{correct, observe, reconstruct, study_index};
 use snellius::scan::Archive;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
@@ -17,6 +17,7 @@ use super::messages::{Answer, Question, READY, Reply, Request};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
+use super::study::Study;
 
 /// How much of the file is read at a time: one request to the browser for a usual picture, and no more
 /// than it may keep.
@@ -30,6 +31,8 @@ struct Desk {
     archive: Option<OpenArchive>,
     spots: Vec<Spots>,
     result: Option<ReconstructionResult>,
+    /// What was said last of the index, and for which plan.
+    study: Option<(Plan, Study)>,
 }
 
 thread_local! {
@@ -80,9 +83,11 @@ impl Desk {
             }
             Request::Keep(spots) => {
                 self.spots = spots;
+                self.study = None;
                 Ok(Reply::Kept)
             }
             Request::Measure(plan) => self.measure(&plan),
+            Request::Study(plan) => self.study(&plan),
             Request::Pictures { view } => {
                 Ok(Reply::Pictures(develop(&self.archive()?.pictures(view)?)))
             }
@@ -106,6 +111,9 @@ impl Desk {
         correct(&mut self.spots, &plan.corrections);
         let scan = self.archive()?.scan().clone();
         let reconstruction = reconstruct(&scan, &self.spots, &plan.settings)?;
+        if let Some(study) = &reconstruction.index_study {
+            self.study = Some((plan.without_index(), Study::of(study)));
+        }
         if reconstruction.index.value.is_none() {
             return Err(Problem::index_wanted(
                 reconstruction.index.reason.as_deref(),
@@ -114,6 +122,21 @@ impl Desk {
         let outcome = Outcome::of(&reconstruction);
         self.result = Some(reconstruction.result());
         Ok(Reply::Measured(Box::new(outcome)))
+    }
+
+    /// What the spots tell of the index; at hand if the last measurement had to find it out.
+    fn study(&mut self, plan: &Plan) -> Result<Reply, Problem> {
+        let plan = plan.without_index();
+        if let Some((of, study)) = &self.study
+            && *of == plan
+        {
+            return Ok(Reply::Studied(Box::new(study.clone())));
+        }
+        correct(&mut self.spots, &plan.corrections);
+        let scan = self.archive()?.scan().clone();
+        let study = Study::of(&study_index(&scan, &self.spots, &plan.settings)?);
+        self.study = Some((plan, study.clone()));
+        Ok(Reply::Studied(Box::new(study)))
     }
 
     fn write(&self, format: Format) -> Result<Reply, Problem> {

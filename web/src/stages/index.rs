@@ -3,12 +3,13 @@
 use leptos::prelude::*;
 
 use super::index_is_wanted;
+use super::study::name;
 use crate::number::fixed;
 use crate::run::ProblemKind;
 use crate::state::Workbench;
 
 /// What a change of the index is called in the history.
-const INDEX: &str = "index";
+pub(super) const INDEX: &str = "index";
 
 /// Liquids at 20 degrees Celsius and 589 nm.
 const LIQUIDS: [(&str, f64); 4] = [
@@ -18,17 +19,56 @@ const LIQUIDS: [(&str, f64); 4] = [
     ("Glycerol", 1.473),
 ];
 
+/// What the slider goes through, and where it stands while nobody knows the index.
+const SLIDER: [f64; 2] = [1.0, 1.8];
+const USUAL: f64 = 1.37;
+
+/// The index that is set, or else that the object shown was measured with; none while it is asked for.
+pub(super) fn present_index(workbench: Workbench) -> Option<f64> {
+    let settings = workbench.settings.get();
+    let given = workbench.facts.get().and_then(|facts| facts.given_index);
+    let said = settings
+        .index
+        .or(given.filter(|_| settings.index_method.is_none()));
+    let used = || {
+        let outcome = workbench.outcome.get()?;
+        (!index_is_wanted(workbench)).then_some(outcome.index.value)
+    };
+    said.or_else(used)
+}
+
+/// As many digits as any scan tells.
+fn rounded(index: f64) -> f64 {
+    (index * 1e4).round() / 1e4
+}
+
+/// What the index is worth that is used.
+fn worth(workbench: Workbench) -> Option<String> {
+    let index = workbench.outcome.get()?.index;
+    let settled = workbench.rerun.with(Option::is_none) && !index_is_wanted(workbench);
+    settled.then(|| match index.sigma {
+        Some(sigma) => format!(
+            "\u{b1} {}, {}",
+            fixed(sigma, 4),
+            name(index.method).to_lowercase()
+        ),
+        None => "given; its \u{b1} is not known".to_owned(),
+    })
+}
+
 /// The index, its explanation and some liquids.
 #[component]
 pub(super) fn IndexControl() -> impl IntoView {
     let workbench = Workbench::get();
     let given = move || workbench.facts.get().and_then(|facts| facts.given_index);
     let own = move || workbench.settings.with(|settings| settings.index);
+    let method = move || workbench.settings.with(|settings| settings.index_method);
     let wanted = Memo::new(move |_| index_is_wanted(workbench));
+    let present = Memo::new(move |_| present_index(workbench).map(rounded));
     let text = RwSignal::new(String::new());
     // Whatever sets the index, the field shows it; what is being typed stays as it is.
     Effect::new(move |_| {
-        let index = own().or_else(given);
+        let index = present.get();
         if text.with_untracked(|text| text.trim().parse().ok()) != index {
             text.set(index.map(|n| n.to_string()).unwrap_or_default());
         }
@@ -43,9 +83,18 @@ pub(super) fn IndexControl() -> impl IntoView {
             workbench.change(INDEX, |settings| settings.index = Some(index));
         }
     };
+    let slide = move |event| {
+        if let Ok(index) = event_target_value(&event).parse::<f64>() {
+            unreadable.set(false);
+            workbench.change(INDEX, |settings| settings.index = Some(index));
+        }
+    };
     let choose = move |index| {
         unreadable.set(false);
-        workbench.change(INDEX, |settings| settings.index = index);
+        workbench.change(INDEX, |settings| {
+            settings.index = index;
+            settings.index_method = None;
+        });
         workbench.let_go();
     };
     let complaint = move || {
@@ -92,12 +141,27 @@ pub(super) fn IndexControl() -> impl IntoView {
                     on:input=typed
                     on:change=move |_| workbench.let_go()
                 />
-                <Show when=move || own().is_some() && given().is_some()>
+                <span class="value" data-testid="index-worth">
+                    {move || worth(workbench)}
+                </span>
+                <Show when=move || (own().is_some() || method().is_some()) && given().is_some()>
                     <button type="button" class="quiet" on:click=move |_| choose(None)>
                         {move || format!("Back to {}", given().map(|n| fixed(n, 3)).unwrap_or_default())}
                     </button>
                 </Show>
             </div>
+            <input
+                class="index-slider"
+                type="range"
+                data-testid="index-slider"
+                aria-label="Refractive index"
+                min=SLIDER[0].to_string()
+                max=SLIDER[1].to_string()
+                step="0.001"
+                prop:value=move || present.get().unwrap_or(USUAL).to_string()
+                on:input=slide
+                on:change=move |_| workbench.let_go()
+            />
             <div class="liquids" role="group" aria-label="Common liquids">
                 {LIQUIDS
                     .map(|(name, index)| {

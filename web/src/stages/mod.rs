@@ -1,9 +1,11 @@
 //! The stages from scan to result: how it stands with each, what it found, and what can be turned.
 
 mod control;
+mod curve;
 mod downloads;
 mod index;
 mod numbers;
+mod study;
 
 use leptos::prelude::*;
 use snellius::pipeline::Stage;
@@ -12,6 +14,7 @@ use self::control::{Choices, Parameters};
 use self::downloads::Downloads;
 use self::index::IndexControl;
 use self::numbers::{Number, brief, numbers};
+use self::study::IndexStudy;
 use crate::run::ProblemKind;
 use crate::state::{StageState, Workbench};
 
@@ -91,7 +94,13 @@ fn StageBody(stage: Stage) -> impl IntoView {
     view! {
         <Complaint stage />
         <Warnings stage />
-        {(stage == Stage::Index).then(|| view! { <IndexControl /> })}
+        {(stage == Stage::Index)
+            .then(|| {
+                view! {
+                    <IndexControl />
+                    <IndexStudy />
+                }
+            })}
         <Choices stage />
         <Numbers stage />
         <Parameters stage />

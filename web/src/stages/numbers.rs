@@ -5,7 +5,7 @@ use snellius::pipeline::Stage;
 use snellius::scan::VesselShape;
 
 use crate::number::fixed;
-use crate::run::{Face, Facts, Outcome, Place, Wall};
+use crate::run::{Face, Facts, Index, Outcome, Place, Wall};
 use crate::state::{StageState, Workbench};
 
 /// A number with its name and what it means.
@@ -64,8 +64,21 @@ pub(super) fn brief(workbench: Workbench, stage: Stage) -> String {
             format!("{}, \u{b1}{} mm", shape_name(face.shape()), fixed(*rms, 3))
         }
         Stage::Object => format!("{} points", outcome.object.len()),
-        Stage::Index => fixed(outcome.index, 3),
+        Stage::Index => index_text(outcome.index),
     }
+}
+
+/// An index with its standard deviation, or that it is somebody's word.
+pub(super) fn index_text(index: Index) -> String {
+    match index.sigma {
+        Some(sigma) => with_sigma(index.value, sigma),
+        None => format!("{}, given", fixed(index.value, 3)),
+    }
+}
+
+/// A value with its standard deviation.
+pub(super) fn with_sigma(value: f64, sigma: f64) -> String {
+    format!("{} \u{b1} {}", fixed(value, 4), fixed(sigma, 4))
 }
 
 fn views(facts: &Facts) -> String {
