@@ -34,7 +34,6 @@ fn assert_says(message: &str, parts: &[&str]) {
     }
 }
 
-/// Whatever is fitted to the tank's flat wall as round is far larger than the rig; a given radius is not.
 #[test]
 fn a_wall_thicker_than_the_vessels_radius_is_refused() {
     for shape in [
@@ -104,18 +103,13 @@ fn vessel_points_on_a_line_are_refused() {
         &message,
         &["on a straight line", "measure at another height"],
     );
-    // Round shapes and whichever the points support are as open.
-    for shape in ["cylinder", "sphere", "auto"] {
-        let message = refusal(&with_views(shape, &[0, 1, 2, 3, 4]));
-        assert_says(&message, &["the vessel's wall cannot be fitted"]);
-    }
 }
 
 /// A tank of air in a dense liquid, looked at so askew that no light gets in.
 #[test]
 fn total_internal_reflection_everywhere_is_said_once_and_of_every_view() {
     let mut scene = scene();
-    scene.vessel.rotation = [-1.5, 32.0, 0.0];
+    scene.vessel.rotation = [-1.5, -32.0, 0.0];
     let archive = Entries::of(&simulate(scene).archive).with_manifest(|scan| {
         scan["media"] = json!({ "outside": 1.5, "wall": 1.5, "inside": 1.0 });
     });

@@ -5,6 +5,7 @@ use leptos::{ev, html};
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlInputElement, KeyboardEvent};
 
+use crate::lab;
 use crate::state::{Look, SceneCommand, Workbench};
 
 /// A key and what it does.
@@ -148,7 +149,7 @@ fn look(workbench: Workbench, from: Look) {
 /// Hears the keys of the table, as long as the page is there.
 pub(crate) fn listen(workbench: Workbench) {
     let listener = window_event_listener(ev::keydown, move |event: KeyboardEvent| {
-        if event.default_prevented() || event.alt_key() || is_typing(&event) {
+        if event.default_prevented() || event.alt_key() || is_typing(&event) || lab::is_open() {
             return;
         }
         let acts = SHORTCUTS.iter().filter_map(|shortcut| shortcut.act);

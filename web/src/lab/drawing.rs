@@ -68,7 +68,7 @@ impl Drawing {
         const HALF_WIDTH: f64 = 4.2;
         let way = [to[0] - from[0], to[1] - from[1]];
         let length = way[0].hypot(way[1]);
-        if !(length > LENGTH * 1.4) {
+        if length < LENGTH * 1.4 {
             return;
         }
         let [x, y] = [way[0] / length, way[1] / length];

@@ -27,6 +27,14 @@ use snellius::lab::{Bench, View, link};
 
 use self::state::LabState;
 
+/// Whether the lab lies over the workbench, whose keys then mean nothing.
+pub(crate) fn is_open() -> bool {
+    state::has_mark(OPEN)
+}
+
+/// How the page's root is marked while the lab is open.
+const OPEN: &str = "data-lab";
+
 /// The lab, if the address means it; it lies over the workbench, which keeps what it has.
 #[component]
 pub(crate) fn Lab() -> impl IntoView {

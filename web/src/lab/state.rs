@@ -41,7 +41,7 @@ impl LabState {
         lab.read_address();
         let listener = window_event_listener(ev::hashchange, move |_| lab.read_address());
         on_cleanup(move || listener.remove());
-        Effect::new(move |_| mark_root("data-lab", lab.open.get()));
+        Effect::new(move |_| mark_root(super::OPEN, lab.open.get()));
         mark_root("data-embed", lab.embedded);
         lab.keep_address();
         lab
@@ -151,6 +151,11 @@ fn mark_root(name: &str, marked: bool) {
     if let Some(root) = document().document_element() {
         let _ = root.toggle_attribute_with_force(name, marked);
     }
+}
+
+pub(super) fn has_mark(name: &str) -> bool {
+    let root = document().document_element();
+    root.is_some_and(|root| root.has_attribute(name))
 }
 
 /// `None` where the browser has no clipboard for this page, or forbids it.
