@@ -41,7 +41,7 @@ pub enum FitError {
     },
     /// The points lie on a line (or in one place), so the plane can turn about it.
     #[error(
-        "the points lie on a straight line to within their noise (extent across it {across:.3} mm), \
+        "the points lie on a straight line, all but for their noise (extent across it {across:.3} mm), \
          so the wall can turn about that line; measure at another height as well"
     )]
     Collinear {
@@ -105,8 +105,9 @@ pub(crate) fn weighted_plane<F: Frame>(
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| axes.eigenvalues[a].total_cmp(&axes.eigenvalues[b]));
     let spread = |i: usize| axes.eigenvalues[order[i]].max(0.0).sqrt();
-    // Across the main direction the points must reach well beyond what they scatter off the plane.
-    if !(spread(1) > 3.0 * spread(0) && spread(1) > 1e-6 * spread(2)) {
+    // Across the main direction the points must reach well beyond what they scatter off the plane; and of
+    // a few points, whose scatter shows little, no less than a hundredth of what they reach along it.
+    if !(spread(1) > 3.0 * spread(0) && spread(1) > 0.01 * spread(2)) {
         return Err(FitError::Collinear { across: spread(1) });
     }
     let normal = axes.eigenvectors.column(order[0]).into_owned();
