@@ -3,23 +3,24 @@
 use std::{
     collections::HashMap,
     fs,
+    io::{BufRead, BufReader, Write},
+    net::{TcpListener, TcpStream},
     path::{Path, PathBuf},
-    sync::{Arc, Mutex},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
     thread::JoinHandle,
 };
 
-use anyhow::{Context, Result, anyhow};
-use tiny_http::{Header, Request, Response, Server};
-
-/// A browser asks for several files at a time.
-const THREADS: usize = 4;
+use anyhow::{Context, Result};
 
 /// A served directory. Ends when dropped.
 pub struct Site {
-    server: Arc<Server>,
-    threads: Vec<JoinHandle<()>>,
     port: u16,
     files: Arc<Files>,
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
 }
 
 struct Files {
@@ -42,11 +43,9 @@ impl Site {
             base.starts_with('/') && base.ends_with('/'),
             "a base path has a slash at both ends"
         );
-        let server = Server::http("127.0.0.1:0").map_err(|error| anyhow!("no server: {error}"))?;
-        let server = Arc::new(server);
-        let port = server
-            .server_addr()
-            .to_ip()
+        let listener = TcpListener::bind("127.0.0.1:0").context("no server")?;
+        let port = listener
+            .local_addr()
             .context("the server has no port")?
             .port();
         let files = Arc::new(Files {
@@ -54,17 +53,16 @@ impl Site {
             base: base.to_owned(),
             extra: Mutex::default(),
         });
-        let threads = (0..THREADS)
-            .map(|_| {
-                let (server, files) = (Arc::clone(&server), Arc::clone(&files));
-                std::thread::spawn(move || serve(&server, &files))
-            })
-            .collect();
+        let over = Arc::new(AtomicBool::new(false));
+        let thread = std::thread::spawn({
+            let (files, over) = (Arc::clone(&files), Arc::clone(&over));
+            move || serve(&listener, &files, &over)
+        });
         Ok(Self {
-            server,
-            threads,
             port,
             files,
+            over,
+            thread: Some(thread),
         })
     }
 
@@ -83,33 +81,55 @@ impl Site {
 
 impl Drop for Site {
     fn drop(&mut self) {
-        for _ in &self.threads {
-            self.server.unblock();
-        }
-        for thread in self.threads.drain(..) {
+        self.over.store(true, Ordering::SeqCst);
+        // A last visitor ends the wait for the next.
+        let _ = TcpStream::connect(("127.0.0.1", self.port));
+        if let Some(thread) = self.thread.take() {
             // A panic of the thread has been printed; there is nothing else to do about it here.
             let _ = thread.join();
         }
     }
 }
 
-fn serve(server: &Server, files: &Files) {
-    // An error from `recv` is how `unblock` ends this thread.
-    while let Ok(request) = server.recv() {
-        respond(request, files);
+/// A thread for each visitor, and an answer for each connection: whoever waits for another visitor here may
+/// wait for ever, as browsers keep connections open.
+fn serve(listener: &TcpListener, files: &Arc<Files>, over: &AtomicBool) {
+    for visitor in listener.incoming() {
+        if over.load(Ordering::SeqCst) {
+            return;
+        }
+        if let Ok(visitor) = visitor {
+            let files = Arc::clone(files);
+            // The browser may go away meanwhile, which is its right.
+            std::thread::spawn(move || respond(visitor, &files).unwrap_or_default());
+        }
     }
 }
 
-fn respond(request: Request, files: &Files) {
-    let path = request.url().split(['?', '#']).next().unwrap_or_default();
-    let response = match files.read(path) {
-        Some(content) => Response::from_data(content)
-            .with_header(header("Content-Type", mime_type(path)))
-            .with_header(header("Cache-Control", "no-store")),
-        None => Response::from_data(format!("nothing at {path}")).with_status_code(404),
+fn respond(mut visitor: TcpStream, files: &Files) -> std::io::Result<()> {
+    let mut request = BufReader::new(visitor.try_clone()?).lines();
+    let first = request.next().transpose()?.unwrap_or_default();
+    // What else the browser says is read, so that closing does not cut the answer off.
+    while request
+        .next()
+        .transpose()?
+        .is_some_and(|line| !line.is_empty())
+    {}
+    let url = first.split(' ').nth(1).unwrap_or_default();
+    let path = url.split(['?', '#']).next().unwrap_or_default();
+    let (status, content) = match files.read(path) {
+        Some(content) => ("200 OK", content),
+        None => ("404 Not Found", format!("nothing at {path}").into_bytes()),
     };
-    // The browser may have gone away meanwhile, which is its right.
-    let _ = request.respond(response);
+    write!(
+        visitor,
+        "HTTP/1.1 {status}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
+         Connection: close\r\n\r\n",
+        mime_type(path),
+        content.len()
+    )?;
+    visitor.write_all(&content)?;
+    visitor.flush()
 }
 
 impl Files {
@@ -127,10 +147,6 @@ impl Files {
         };
         fs::read(file).ok()
     }
-}
-
-fn header(name: &str, value: &str) -> Header {
-    Header::from_bytes(name, value).expect("a header of plain letters")
 }
 
 /// What the usual hosts send. Browsers refuse WebAssembly and modules under a wrong name.
