@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::LazyLock;
 
-use common::archives::{Entries, measure, refusal, scene, simulate};
+use common::archives::{Entries, measure, refusal, repository, scene, simulate};
 use serde_json::{Value, json};
 use snellius::export::Status;
 
@@ -46,6 +46,21 @@ fn a_wall_thicker_than_the_vessels_radius_is_refused() {
 }
 
 #[test]
+fn a_wall_thicker_than_the_radius_that_was_measured_is_refused() {
+    let jar = std::fs::read(repository("samples/jar.zip")).unwrap();
+    for shape in ["cylinder", "auto"] {
+        let archive = Entries::of(&jar).with_manifest(|scan| {
+            scan["vessel"] = json!({ "shape": shape, "wall_thickness": 80.0 });
+        });
+        let message = refusal(&archive.zipped());
+        assert_says(
+            &message,
+            &["vessel.wall_thickness", "80", "measured", "smaller radius"],
+        );
+    }
+}
+
+#[test]
 fn a_known_wall_that_misses_the_points_is_refused_with_how_far() {
     let behind = changed(|scan| {
         scan["vessel"]["point"] = json!([0, 0, 40]);
@@ -75,7 +90,7 @@ fn a_known_wall_that_misses_the_points_is_refused_with_how_far() {
 fn too_few_vessel_points_are_counted() {
     assert_says(
         &refusal(&with_views("plane", &[0, 7])),
-        &["2 usable points", "at least 3"],
+        &["a plane needs at least 3", "there are 2"],
     );
     assert_says(
         &refusal(&with_views("cylinder", &[0, 2, 6, 12])),
@@ -95,11 +110,20 @@ fn too_few_vessel_points_are_counted() {
 /// One row of stations leaves the wall free to turn about it.
 #[test]
 fn vessel_points_on_a_line_are_refused() {
-    let message = refusal(&with_views("plane", &[0, 1, 2, 3, 4]));
-    assert_says(
-        &message,
-        &["on a straight line", "measure at another height"],
-    );
+    let mut row = scene();
+    row.sweeps.truncate(1);
+    row.sweeps[0].views = 12;
+    let row = Entries::of(&simulate(row).archive);
+    for shape in ["plane", "cylinder", "sphere", "freeform", "auto"] {
+        let archive = row
+            .clone()
+            .with_manifest(|scan| scan["vessel"]["shape"] = json!(shape));
+        let message = refusal(&archive.zipped());
+        assert_says(
+            &message,
+            &["on a straight line", "measure at another height"],
+        );
+    }
 }
 
 /// A tank of air in a dense liquid, looked at so askew that no light gets in.

@@ -58,6 +58,23 @@ pub enum FitError {
     },
 }
 
+/// Points that reach across their main direction by less than this part of what they reach along it lie on a
+/// line.
+const LEAST_ACROSS: f64 = 0.01;
+
+/// Refuses points that lie on a straight line, all but for their noise: no surface follows from them.
+pub(crate) fn spread_out<F: Frame>(points: &[WeightedPoint<F>]) -> Result<(), FitError> {
+    let (_, scatter, total) = weighted_scatter(points, &vec![1.0; points.len()]);
+    let mut variances = (scatter / total).symmetric_eigenvalues();
+    variances.as_mut_slice().sort_by(f64::total_cmp);
+    let [_, across, along] = variances.map(|v| v.max(0.0).sqrt()).into();
+    if across > LEAST_ACROSS * along {
+        Ok(())
+    } else {
+        Err(FitError::Collinear { across })
+    }
+}
+
 const SAMPLES: usize = 400;
 const REWEIGHTINGS: usize = 30;
 
@@ -106,8 +123,8 @@ pub(crate) fn weighted_plane<F: Frame>(
     order.sort_by(|&a, &b| axes.eigenvalues[a].total_cmp(&axes.eigenvalues[b]));
     let spread = |i: usize| axes.eigenvalues[order[i]].max(0.0).sqrt();
     // Across the main direction the points must reach well beyond what they scatter off the plane; and of
-    // a few points, whose scatter shows little, no less than a hundredth of what they reach along it.
-    if !(spread(1) > 3.0 * spread(0) && spread(1) > 0.01 * spread(2)) {
+    // a few points, whose scatter shows little, no less than a part of what they reach along it.
+    if !(spread(1) > 3.0 * spread(0) && spread(1) > LEAST_ACROSS * spread(2)) {
         return Err(FitError::Collinear { across: spread(1) });
     }
     let normal = axes.eigenvectors.column(order[0]).into_owned();

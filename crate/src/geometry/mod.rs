@@ -11,6 +11,7 @@ mod pose;
 mod ray;
 
 pub use approach::{Approach, ParallelRays, closest_approach};
+pub(crate) use fit::spread_out;
 pub use fit::{FitError, PlaneFit, WeightedPoint, fit_plane};
 pub use frame::{Camera, Direction, Flange, Frame, Point, World, ZeroLength};
 pub use plane::Plane;

@@ -28,6 +28,7 @@ use crate::optics::{Media, Stack, aim_through};
 use crate::rig::{Laser, Rig, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
+use noise::Grains;
 use render::Exposure;
 
 /// A scene ready to be photographed.
@@ -279,6 +280,7 @@ impl Simulation {
             true => 0.0,
             false => brightness.object,
         };
+        let mut grains = Grains::of(&self.scene, view);
         for (ray, share) in self.scene.beam.rays(beam) {
             let landing = self.landing(view, &ray);
             let glows = [
@@ -298,7 +300,8 @@ impl Simulation {
             for (point, faces, light) in spots.filter(|(.., light)| *light > 0.0) {
                 let pixel = point.and_then(|point| self.seen(view, point, faces));
                 if let Some(pixel) = pixel {
-                    exposure.add_spot(pixel, self.scene.beam.blur, share * light);
+                    let light = share * light * grains.next();
+                    exposure.add_spot(pixel, self.scene.beam.blur, light);
                 }
             }
         }

@@ -245,6 +245,9 @@ pub struct BeamProfile {
     pub fan: f64,
     /// Standard deviation of the lens's blur, px.
     pub blur: f64,
+    /// Contrast of the speckle of a beam's spots: the standard deviation of a grain's light over its mean, 1
+    /// for fully developed speckle. Grains are 0.6 `sigma` wide.
+    pub speckle: f64,
 }
 
 impl Default for BeamProfile {
@@ -253,6 +256,7 @@ impl Default for BeamProfile {
             sigma: 0.25,
             fan: 40.0,
             blur: 0.9,
+            speckle: 0.0,
         }
     }
 }
@@ -405,6 +409,13 @@ impl Scene {
         positive(self.beam.sigma, "beam.sigma")?;
         positive(self.beam.blur, "beam.blur")?;
         positive(self.beam.fan, "beam.fan")?;
+        if !(0.0..=1.0).contains(&self.beam.speckle) {
+            let problem = "must be from 0 to 1";
+            return Err(SceneError::Value {
+                key: "beam.speckle",
+                problem,
+            });
+        }
         positive(self.vessel.half_size[0], "vessel.half_size")?;
         positive(self.vessel.half_size[1], "vessel.half_size")?;
         let dark = |value: f64, key| {

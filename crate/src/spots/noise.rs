@@ -13,7 +13,7 @@ pub struct Noise {
 /// Rounding to whole grey values, in both pictures.
 const ROUNDING: f64 = 2.0 / 12.0;
 const BINS: usize = 16;
-const LEAST_SAMPLES: usize = 400;
+const LEAST_SAMPLES: usize = 100;
 
 impl Noise {
     /// Measures the noise: the variance of the difference in classes of brightness, spots clipped away,
@@ -76,11 +76,13 @@ impl Samples {
             if difference.saturated(pixel) {
                 continue;
             }
-            let level = difference.dark_level(pixel);
+            // Both pictures' mean, whose noise tells nothing of the difference's: sorted by one of them,
+            // pixels would come into the next class by their noise, and make it seem larger there.
+            let level = difference.level(pixel);
             // Square-root spacing: shot noise changes most where it is dark.
-            let bin = usize::from(level >> shift).isqrt();
+            let bin = (level as usize >> shift).isqrt();
             classes[bin].push(difference.at(pixel));
-            level_sums[bin] += f64::from(level);
+            level_sums[bin] += level;
         }
         Self {
             classes,

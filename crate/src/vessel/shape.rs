@@ -4,7 +4,7 @@ use super::VesselError;
 use super::freeform;
 use super::refine::{SurfaceFit, refine};
 use super::start;
-use crate::geometry::{FitError, Point, WeightedPoint, World, fit_plane};
+use crate::geometry::{FitError, Point, WeightedPoint, World, fit_plane, spread_out};
 use crate::optics::{Base, Surface};
 use crate::robust::{robust_scale, tukey_loss};
 use crate::scan::VesselShape;
@@ -72,21 +72,18 @@ fn fit_simple(
     front: Point<World>,
     shape: VesselShape,
 ) -> Result<SurfaceFit, VesselError> {
-    let places: Vec<Point<World>> = points.iter().map(|p| p.point).collect();
-    let (starts, name, needed) = match shape {
-        VesselShape::Cylinder => (start::cylinders(&places, front), "cylinder", 5),
-        VesselShape::Sphere => (
-            start::sphere(&places, front).into_iter().collect(),
-            "sphere",
-            4,
-        ),
-        _ => (
-            vec![Surface::Plane(fit_plane(points, front)?.plane)],
-            "plane",
-            3,
-        ),
+    let (name, needed) = match shape {
+        VesselShape::Cylinder => ("cylinder", 5),
+        VesselShape::Sphere => ("sphere", 4),
+        _ => ("plane", 3),
     };
     enough(points, needed, name)?;
+    let places: Vec<Point<World>> = points.iter().map(|p| p.point).collect();
+    let starts = match shape {
+        VesselShape::Cylinder => start::cylinders(&places, front),
+        VesselShape::Sphere => start::sphere(&places, front).into_iter().collect(),
+        _ => vec![Surface::Plane(fit_plane(points, front)?.plane)],
+    };
     let fits = starts
         .into_iter()
         .filter_map(|start| refine(points, &start));
@@ -120,6 +117,7 @@ fn fit_freeform(
     best_supported(ranked.into_iter(), points, front, NAME)
 }
 
+/// Refuses fewer points than a shape needs, and points on a straight line, which determine none.
 fn enough(
     points: &[WeightedPoint<World>],
     needed: usize,
@@ -132,7 +130,7 @@ fn enough(
             found: points.len(),
         });
     }
-    Ok(())
+    Ok(spread_out(points)?)
 }
 
 /// The closest of some fits, if more than half of the points support it.
