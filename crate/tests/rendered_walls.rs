@@ -11,68 +11,41 @@ mod common;
 use std::io::Cursor;
 
 use common::archives::{both_faces_glow, scene, simulate};
-use nalgebra::Vector3;
+use common::errors::Errors;
 use snellius::pipeline::{Settings, observe, reconstruct};
 use snellius::scan::{Archive, Scan, VesselShape};
 use snellius::simulate::{Relief, Scene, SceneFarWall, SceneObject, Simulation, Sweep, Truth};
 use snellius::spots::Spots;
 
-/// How object points stand to the truth.
-#[derive(Debug, Default)]
-struct Errors {
-    wanted: f64,
-    found: f64,
-    squares: f64,
-    /// Of the coordinates, those within two standard deviations.
-    honest: f64,
-}
-
-impl Errors {
-    fn of(scan: &Scan, spots: &[Spots], truth: &Truth) -> Self {
-        let result = reconstruct(scan, spots, &Settings::default())
-            .unwrap()
-            .result();
-        let mut errors = Self::default();
-        for (view, truth) in result.views.iter().zip(&truth.views) {
-            let Some(there) = truth.object.first() else {
-                assert!(view.object.first().is_none(), "{}: no object", view.id);
-                continue;
-            };
-            errors.wanted += 1.0;
-            let (Some(here), Some(sigma)) = (view.object.first(), view.object_sigma.first()) else {
-                continue;
-            };
-            errors.found += 1.0;
-            let off = Vector3::from(here) - Vector3::from(there);
-            errors.squares += off.norm_squared();
-            let within = (0..3).filter(|axis| off[*axis].abs() <= 2.0 * sigma[*axis]);
-            errors.honest += within.count() as f64 / 3.0;
+fn errors(scan: &Scan, spots: &[Spots], truth: &Truth) -> Errors {
+    let result = reconstruct(scan, spots, &Settings::default());
+    let result = result.unwrap().result();
+    let mut errors = Errors::default();
+    for (view, truth) in result.views.iter().zip(&truth.views) {
+        let found = view.object.first().zip(view.object_sigma.first());
+        match truth.object.first() {
+            Some(there) => errors.count(there, found),
+            None => assert!(found.is_none(), "{}: no object", view.id),
         }
-        errors
     }
-
-    fn rms(&self) -> f64 {
-        (self.squares / self.found).sqrt()
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.wanted += other.wanted;
-        self.found += other.found;
-        self.squares += other.squares;
-        self.honest += other.honest;
-    }
+    errors
 }
 
-/// Over several seeds: at most `factor` times the error that the true wall gives, at least `share` of the
-/// points, and standard deviations that are honest.
+/// The inner face's light, the outer one's being 500: shares q of both at even parts of what is held likely
+/// of them beforehand (q (1 - q) = 0.16 +- 0.06).
+const INNER_FACE: [f64; 4] = [56.0, 103.0, 153.0, 275.0];
+
+/// Over scans that differ in noise, speckle and the inner face's glow: at most `factor` times the error that
+/// the true wall gives, and at least `share` of the points. Gives the share of coordinates within two
+/// standard deviations.
 #[track_caller]
 fn assert_recovered(scene: &Scene, factor: f64, share: f64) -> f64 {
     let (mut measured, mut known) = (Errors::default(), Errors::default());
-    for seed in 20..22 {
-        let scene = Scene {
-            seed,
-            ..scene.clone()
-        };
+    for (seed, inner_face) in (20..).zip(INNER_FACE) {
+        let mut scene = scene.clone();
+        scene.seed = seed;
+        scene.brightness.inner_face = inner_face;
+        scene.beam.speckle = 0.5;
         let wall = Simulation::new(scene.clone()).unwrap().wall().clone();
         let simulated = simulate(scene);
         let mut archive = Archive::open(Cursor::new(&simulated.archive[..])).unwrap();
@@ -85,10 +58,10 @@ fn assert_recovered(scene: &Scene, factor: f64, share: f64) -> f64 {
             known_wall: Some(wall.outer),
             ..scan.clone()
         };
-        measured.add(&Errors::of(scan, &spots, &simulated.truth));
-        known.add(&Errors::of(&true_wall, &spots, &simulated.truth));
+        measured.add(&errors(scan, &spots, &simulated.truth));
+        known.add(&errors(&true_wall, &spots, &simulated.truth));
     }
-    assert!(measured.wanted >= 40.0, "the scene shows its object");
+    assert!(measured.wanted >= 80.0, "the scene shows its object");
     let (here, best) = (measured.rms(), known.rms());
     assert!(
         measured.found >= share * measured.wanted,
@@ -98,15 +71,34 @@ fn assert_recovered(scene: &Scene, factor: f64, share: f64) -> f64 {
         here <= factor * best,
         "{here} mm, {best} mm with the true wall"
     );
-    measured.honest / measured.found
+    measured.honest()
 }
 
-/// A simple wall: as good as known but for half, every point, and honest. (In these scenes the inner face's
-/// share of the glow is nearer to what is expected of it than its standard deviation says.)
+/// A simple wall: as good as known but for half, every point, and honest.
 #[track_caller]
 fn assert_honest(scene: &Scene) {
     let honest = assert_recovered(scene, 1.5, 1.0);
-    assert!((0.90..=0.995).contains(&honest), "{honest} within 2 sigma");
+    assert!((0.90..=0.99).contains(&honest), "{honest} within 2 sigma");
+}
+
+/// Rows of nine stations that look at the y axis from 365 mm before a round vessel.
+fn around(radius: f64, heights: &[f64]) -> Vec<Sweep> {
+    let stations = heights
+        .iter()
+        .flat_map(|y| (-4..=4).map(move |step| (y, 7.0 * f64::from(step))));
+    let station = |(y, degrees): (&f64, f64)| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let away = radius + 365.0;
+        let place = [-away * sin, *y, -away * cos];
+        Sweep {
+            from: place,
+            to: place,
+            views: 1,
+            rotation: [0.0, degrees, 0.0],
+            turn: [0.0; 2],
+        }
+    };
+    stations.map(station).collect()
 }
 
 /// A ball in a round vessel; the rig walks around it.
@@ -120,22 +112,26 @@ fn round(shape: VesselShape) -> Scene {
         centre: [6.0, 0.0, 8.0],
         radius: 32.0,
     }];
-    let stations = [-14.0, 0.0, 14.0]
-        .into_iter()
-        .flat_map(|y| (-4..=4).map(move |step| (y, 7.0 * f64::from(step))));
-    scene.sweeps = stations
-        .map(|(y, degrees)| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            let place = [-445.0 * sin, y, -445.0 * cos];
-            Sweep {
-                from: place,
-                to: place,
-                views: 1,
-                rotation: [0.0, degrees, 0.0],
-                turn: [0.0; 2],
-            }
-        })
-        .collect();
+    scene.sweeps = around(80.0, &[-14.0, 0.0, 14.0]);
+    scene
+}
+
+/// Of another size, thickness and liquid, before a rig of a shorter base.
+fn another(shape: VesselShape, radius: f64) -> Scene {
+    let mut scene = round(shape);
+    scene.vessel.declared = Some(VesselShape::Auto);
+    scene.vessel.radius = Some(radius);
+    scene.vessel.wall_thickness = 4.0;
+    scene.vessel.rotation = [3.0, 0.0, 2.0];
+    scene.media.wall = 1.52;
+    scene.media.inside = 1.38;
+    scene.laser.origin = [-130.0, 2.0, 0.0];
+    scene.laser.direction = Some([0.290, -0.004, 0.957]);
+    scene.objects = vec![SceneObject::Sphere {
+        centre: [3.0, 0.0, 4.0],
+        radius: 0.4 * radius,
+    }];
+    scene.sweeps = around(radius, &[-20.0, -10.0, 0.0, 10.0, 20.0]);
     scene
 }
 
@@ -193,9 +189,20 @@ fn a_jar() {
     assert_honest(&round(VesselShape::Cylinder));
 }
 
+/// A thick, small, leaning jar of sugar solution, of which nobody says what it is.
+#[test]
+fn another_jar() {
+    assert_honest(&another(VesselShape::Cylinder, 62.0));
+}
+
 #[test]
 fn a_bowl() {
     assert_honest(&round(VesselShape::Sphere));
+}
+
+#[test]
+fn another_bowl() {
+    assert_honest(&another(VesselShape::Sphere, 110.0));
 }
 
 /// The points of a scan share one error of the wall, so whether a free form's standard deviations are honest
@@ -215,5 +222,5 @@ fn a_wall_that_the_manifest_knows() {
     let mut jar = round(VesselShape::Cylinder);
     jar.vessel.known = true;
     let honest = assert_recovered(&jar, 1.0 + 1e-9, 1.0);
-    assert!((0.90..=0.995).contains(&honest), "{honest} within 2 sigma");
+    assert!((0.90..=0.99).contains(&honest), "{honest} within 2 sigma");
 }

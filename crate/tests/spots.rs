@@ -160,6 +160,22 @@ fn the_noise_is_measured_as_it_is() {
     }
 }
 
+/// Nearly all of the picture is dark, and a spot's noise follows from what little is bright.
+#[test]
+fn the_noise_of_bright_spots_shows_in_a_dark_picture() {
+    let mut random = Random::seeded(66);
+    let light = Light::of(
+        440,
+        330,
+        |u, v| if u < 60.0 && v < 60.0 { 60.0 } else { 14.0 },
+    );
+    let mut take = || light.noisy(255, 0.5, 0.012, &mut random);
+    let noise = Noise::of(&Difference::of(&pair(take(), take())));
+    let expected = 2.0 * (0.25 + 0.012 * 150.0 + 1.0 / 12.0);
+    let ratio = noise.variance(150.0) / expected;
+    assert!((0.75..1.25).contains(&ratio), "{ratio}");
+}
+
 /// The lamps were turned up between the two pictures: no new spots, and the old one stays where it is.
 #[test]
 fn a_change_of_the_rooms_light_moves_nothing() {

@@ -5,7 +5,7 @@ mod common;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use common::archives::{Simulated, scene, simulate};
+use common::archives::{Simulated, jar_on_a_turntable, scene, simulate};
 use nalgebra::Vector3;
 use snellius::export::{ReconstructionResult, Status};
 use snellius::pipeline::{Reconstruction, Settings, observe, reconstruct};
@@ -21,36 +21,7 @@ const REACH: Reach = Reach {
 
 /// A round jar on a turntable whose axis is the jar's own: the wall stands still before the rig.
 fn jar() -> Scene {
-    Scene::from_toml(
-        r#"
-        name = "A ball in a jar that turns about its axis"
-        seed = 5
-        camera = { model = "opencv", width = 320, height = 240, fx = 480.0, fy = 479.5, cx = 161.2, cy = 118.3, distortion = [-0.11, 0.06, 0.0006, -0.0004, 0.0] }
-        laser = { kind = "spot", origin = [-160.0, 3.0, 4.0], direction = [0.336, -0.006, 0.942] }
-        flange_from_camera = { rotation = [0.7071, 0.0, 0.0, 0.7071], translation = [28.0, -41.5, 63.2] }
-        vessel = { shape = "cylinder", wall_thickness = 2.5, centre = [0.0, 0.0, 0.0], half_size = [75.0, 150.0], radius = 75.0 }
-        media = { outside = 1.0, wall = 1.5, inside = 1.333 }
-        turntable = { point = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0] }
-
-        [[object]]
-        kind = "sphere"
-        centre = [6.0, 0.0, 4.0]
-        radius = 30.0
-
-        [[sweep]]
-        from = [0.0, -14.0, -440.0]
-        to = [0.0, -14.0, -440.0]
-        turn = [-60.0, 60.0]
-        views = 13
-
-        [[sweep]]
-        from = [0.0, 10.0, -440.0]
-        to = [0.0, 10.0, -440.0]
-        turn = [-60.0, 60.0]
-        views = 13
-    "#,
-    )
-    .unwrap()
+    jar_on_a_turntable([0.0; 3], [-14.0, 10.0], 60.0, 13)
 }
 
 static TANK: LazyLock<Observed> = LazyLock::new(|| Observed::of(scene()));

@@ -2,44 +2,15 @@
 
 mod common;
 
-use common::archives::{Entries, Simulated, measure, refusal, scene, simulate};
+use common::archives::{Entries, Simulated, jar_on_a_turntable, measure, refusal, scene, simulate};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 use snellius::export::Status;
 use snellius::simulate::Scene;
 
-/// A ball off the middle of a jar that turns before a pitched rig.
+/// The jar stands beside the turntable's axis.
 fn jar() -> Scene {
-    Scene::from_toml(
-        r#"
-        name = "A ball in a jar on a turntable"
-        seed = 11
-        camera = { model = "opencv", width = 320, height = 240, fx = 480.0, fy = 479.5, cx = 161.2, cy = 118.3, distortion = [-0.11, 0.06, 0.0006, -0.0004, 0.0] }
-        laser = { kind = "spot", origin = [-160.0, 3.0, 4.0], direction = [0.336, -0.006, 0.942] }
-        flange_from_camera = { rotation = [0.7071, 0.0, 0.0, 0.7071], translation = [28.0, -41.5, 63.2] }
-        vessel = { shape = "cylinder", wall_thickness = 2.5, centre = [0.0, 0.0, 0.0], half_size = [75.0, 150.0], radius = 75.0 }
-        media = { outside = 1.0, wall = 1.5, inside = 1.333 }
-        turntable = { point = [3.0, 0.0, -2.0], axis = [0.0, 1.0, 0.0] }
-
-        [[object]]
-        kind = "sphere"
-        centre = [4.0, 0.0, 3.0]
-        radius = 30.0
-
-        [[sweep]]
-        from = [0.0, -14.0, -440.0]
-        to = [0.0, -14.0, -440.0]
-        turn = [-40.0, 40.0]
-        views = 9
-
-        [[sweep]]
-        from = [0.0, 6.0, -440.0]
-        to = [0.0, 6.0, -440.0]
-        turn = [-40.0, 40.0]
-        views = 9
-    "#,
-    )
-    .unwrap()
+    jar_on_a_turntable([3.0, 0.0, -2.0], [-14.0, 6.0], 40.0, 9)
 }
 
 #[test]

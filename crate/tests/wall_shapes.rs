@@ -8,8 +8,8 @@
 mod common;
 
 use common::Random;
+use common::errors::Errors;
 use common::walls::{Traced, random_vessel};
-use nalgebra::Vector3;
 use snellius::geometry::Ray;
 use snellius::optics::{Media, Surface};
 use snellius::pipeline::{Settings, reconstruct};
@@ -73,54 +73,23 @@ fn bulging_walls_are_named_free_forms() {
     assert_named(VesselShape::Freeform);
 }
 
-/// How object points stand to the truth.
-#[derive(Default)]
-struct Errors {
-    wanted: f64,
-    found: f64,
-    squares: f64,
-    /// Of the coordinates, those within two standard deviations.
-    honest: f64,
-}
-
-impl Errors {
-    fn of(traced: &Traced, scan: &Scan, spots: &[Spots], settings: &Settings) -> Self {
-        let result = reconstruct(scan, spots, settings).unwrap().result();
-        let mut errors = Self::default();
-        for (view, truth) in result.views.iter().zip(&traced.truth.views) {
-            let Some(there) = truth
-                .object
-                .first()
-                .filter(|_| truth.vessel.first().is_some())
-            else {
-                continue;
-            };
-            errors.wanted += 1.0;
-            let (Some(here), Some(sigma)) = (view.object.first(), view.object_sigma.first()) else {
-                let reason = view.reason.as_deref().unwrap_or_default();
-                let known = ["outside the measured wall", "stands alone"];
-                assert!(known.iter().any(|k| reason.contains(k)), "{reason}");
-                continue;
-            };
-            errors.found += 1.0;
-            let off = Vector3::from(here) - Vector3::from(there);
-            errors.squares += off.norm_squared();
-            let within = (0..3).filter(|axis| off[*axis].abs() <= 2.0 * sigma[*axis]);
-            errors.honest += within.count() as f64 / 3.0;
+fn errors(traced: &Traced, scan: &Scan, spots: &[Spots], settings: &Settings) -> Errors {
+    let result = reconstruct(scan, spots, settings).unwrap().result();
+    let mut errors = Errors::default();
+    for (view, truth) in result.views.iter().zip(&traced.truth.views) {
+        let seen = truth.vessel.first().is_some();
+        let Some(there) = truth.object.first().filter(|_| seen) else {
+            continue;
+        };
+        let found = view.object.first().zip(view.object_sigma.first());
+        if found.is_none() {
+            let reason = view.reason.as_deref().unwrap_or_default();
+            let known = ["outside the measured wall", "stands alone"];
+            assert!(known.iter().any(|k| reason.contains(k)), "{reason}");
         }
-        errors
+        errors.count(there, found);
     }
-
-    fn rms(&self) -> f64 {
-        (self.squares / self.found).sqrt()
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.wanted += other.wanted;
-        self.found += other.found;
-        self.squares += other.squares;
-        self.honest += other.honest;
-    }
+    errors
 }
 
 /// A wall measured as a free form, whatever it is, against the same spots with the true wall given: how
@@ -139,14 +108,14 @@ fn assert_as_free_form(shape: VesselShape, factor: f64, most_worse: usize) {
             known_wall: Some(traced.simulation.wall().outer.clone()),
             ..traced.scan.clone()
         };
-        let best = Errors::of(&traced, &known, &spots, &settings);
+        let best = errors(&traced, &known, &spots, &settings);
         settings.vessel.shape = Some(VesselShape::Freeform);
-        let found = Errors::of(&traced, &traced.scan, &spots, &settings);
+        let found = errors(&traced, &traced.scan, &spots, &settings);
         worse += usize::from(found.rms() > factor * best.rms());
         all.add(&found);
     }
     assert!(worse <= most_worse, "{worse} of 24 beyond {factor} times");
-    let honest = all.honest / all.found;
+    let honest = all.honest();
     assert!((0.90..0.99).contains(&honest), "{honest} within 2 sigma");
     let share = all.found / all.wanted;
     assert!(share > 0.8, "{share} found");

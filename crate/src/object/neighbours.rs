@@ -56,14 +56,18 @@ impl Misfit {
     /// The object is where the forecast says, but for an edge between; and there were a few forecasts to
     /// choose from.
     pub(super) fn favour(&self) -> f64 {
+        libm::log(EDGE + (1.0 - EDGE) * self.likelihood())
+    }
+
+    /// How much likelier the place is where the forecast holds than as a ghost's, which lies anywhere.
+    fn likelihood(&self) -> f64 {
         /// Ghosts seem to lie anywhere within this, mm.
         const ANYWHERE: f64 = 100.0;
         /// Forecasts of an axis that differ.
         const CHOICE: f64 = 3.0;
         /// Student's density at 0.
         const TOP: f64 = 0.353_553_390_593_273_8;
-        let here = TOP * self.student() / self.sigma;
-        libm::log(EDGE + (1.0 - EDGE) * here * ANYWHERE / CHOICE)
+        TOP * self.student() / self.sigma * ANYWHERE / CHOICE
     }
 
     /// How well the place agrees, as a logarithm: 0 where it is as foretold. Unlike [`Misfit::favour`] it
@@ -177,14 +181,19 @@ fn axes(beam: &Ray<World>, beside: &[Beside]) -> [Vec<Beside>; AXES] {
     std::array::from_fn(|axis| [&sides[axis][..], &sides[axis + AXES][..]].concat())
 }
 
-/// What the misfits along several axes say together.
+/// What the misfits along several axes say together: either every axis speaks for itself, or the place is at
+/// an edge or on the object's outline, where one of them is right and the others say nothing.
 pub(super) fn together(misfits: &[Misfit]) -> f64 {
     /// Few points of an object have no neighbours that foretell them.
     const NOBODY: f64 = -2.5;
+    /// How many points of an object lie beside an edge.
+    const BESIDE_EDGE: f64 = 0.3;
     if misfits.is_empty() {
         return NOBODY;
     }
-    misfits.iter().map(Misfit::favour).sum()
+    let all: f64 = misfits.iter().map(Misfit::favour).sum();
+    let one = misfits.iter().map(Misfit::likelihood).sum::<f64>() / misfits.len() as f64;
+    libm::log((1.0 - BESIDE_EDGE) * libm::exp(all) + BESIDE_EDGE * one)
 }
 
 /// The curvature under which the places that were chosen agree best with each other, 1/mm.

@@ -75,6 +75,8 @@ const ROOT_TAU: f64 = 2.506_628_274_631_000_2;
 /// A sum of more than this takes a spot for the object's. A false point is worse than a missing one, so it
 /// is more than 0.
 const SURE: f64 = 1.5;
+/// The same for a view's only spot: a ghost would have to hide the object's, too.
+const ONLY: f64 = 1.3;
 
 /// The usual brightness of the object's spots, as a logarithm.
 #[derive(Clone, Copy)]
@@ -145,6 +147,11 @@ impl Selection {
     fn is_supported(&self) -> bool {
         self.chosen
             .is_some_and(|spot| self.evidence[spot].is_supported())
+    }
+
+    /// What speaks for the chosen spot.
+    fn favour(&self) -> Option<f64> {
+        Some(self.evidence[self.chosen?].favour)
     }
 }
 
@@ -226,7 +233,10 @@ fn refuse_unsupported(selections: &mut [Selection], fitting: &[Vec<Fitting>], st
     if ghosts == 0 || lone > 3 * ghosts + fitting.len() / 10 {
         return;
     }
-    for selection in selections.iter_mut().filter(|s| !s.is_supported()) {
-        selection.chosen = None;
+    for (selection, spots) in selections.iter_mut().zip(fitting) {
+        let least = if spots.len() == 1 { ONLY } else { SURE };
+        if selection.favour().is_some_and(|favour| favour <= least) {
+            selection.chosen = None;
+        }
     }
 }

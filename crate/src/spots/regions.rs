@@ -201,10 +201,14 @@ impl Field<'_> {
         f64::from(row(i - width) + 2 * row(i) + row(i + width)) / 16.0
     }
 
-    /// Standard deviation of the difference at a pixel, without laser light.
+    /// Standard deviation of the difference at a pixel, without laser light. It follows the brightness
+    /// around it, too: where a pixel is dark by its own noise, that would seem small, and the difference large.
     fn dark_sigma(&self, i: usize) -> f64 {
-        let dark = f64::from(self.difference.dark_level(i));
-        self.noise.variance(dark).sqrt()
+        let (dark, count) = self
+            .neighbourhood(i)
+            .map(|near| f64::from(self.difference.dark_level(near)))
+            .fold((0.0, 0.0), |(sum, count), level| (sum + level, count + 1.0));
+        self.noise.variance(dark / count).sqrt()
     }
 
     /// The 8-connected pixels around `seed` that stand `edge` deviations out.

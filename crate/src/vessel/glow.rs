@@ -11,9 +11,9 @@
 //! M_along = M_across (1 + f (e^2 - 1)) + q (1 - q) d^2
 //! ```
 //!
-//! where f (0 to 1) is the part of M_across that is the beam and not the lens's blur: not known, taken
-//! as 1/2, which matters little as e is near 1. The share is the same glass's in all views, so the
-//! median over them is taken.
+//! where f (0 to 1) is the part of M_across that is the beam and not the lens's blur: not known, but it
+//! matters little as e is near 1. Their lopsidedness, `q (1 - q) (1 - 2q) d^3`, is free of it. The share is the
+//! same glass's in all views, so the medians over them are taken.
 
 use nalgebra::Vector2;
 
@@ -108,36 +108,28 @@ pub struct Glows {
 }
 
 /// Estimates the share from the vessel spots; `None` for too few of them.
+///
+/// What width, lopsidedness and what is known beforehand say together of the share, whatever f is, is a
+/// distribution, of which mean and standard deviation are taken: near q = 1/2 the width hardly depends on
+/// the share, and near 1/5 the lopsidedness hardly does.
 pub(super) fn estimate(spots: &[(&Spot, Faces)], thickness: f64) -> Option<Glows> {
     const LEAST: usize = 3;
-    /// Standard deviation of the unknown f, uniform from 0 to 1.
-    const BEAM_PART_SIGMA: f64 = 0.29;
     if spots.len() < LEAST {
         return None;
     }
-    let mut excesses = Vec::new();
-    let mut skews = Vec::new();
-    let mut slack = 0.0;
-    for (spot, faces) in spots {
-        let distance = faces.offset.norm();
-        let along = faces.offset / distance;
-        let across = Vector2::new(-along.y, along.x);
-        let wide = spot.width_along(across);
-        let footprint = faces.stretch * faces.stretch - 1.0;
-        let own = wide * (1.0 + 0.5 * footprint);
-        let square = distance * distance;
-        excesses.push((spot.width_along(along) - own) / square);
-        skews.push(spot.skew_along(along) / (square * distance));
-        slack += (BEAM_PART_SIGMA * footprint * wide / square).abs();
-    }
-    let count = spots.len() as f64;
-    let (excess, sampling) = median_and_sigma(excesses);
-    let (skew, _) = median_and_sigma(skews);
-    let sigma = (sampling * sampling + (slack / count) * (slack / count)).sqrt();
+    let excesses = |beam_part: f64| {
+        let of_spot = |(spot, faces): &(&Spot, Faces)| faces.excess(spot, beam_part);
+        median_and_sigma(spots.iter().map(of_spot).collect())
+    };
+    let skews = spots.iter().map(|(spot, faces)| faces.skew(spot));
+    let (skew, skew_sigma) = median_and_sigma(skews.collect());
+    let (share, share_sigma) = share(excesses, (skew, skew_sigma));
+    let (excess, sampling) = excesses(0.5);
+    let slack = BEAM_PART_SIGMA * (excesses(1.0).0 - excesses(0.0).0);
+    let sigma = (sampling * sampling + slack * slack).sqrt();
     // q (1 - q) d^2 and q (1 - q) (1 - 2q) d^3 make d^2 = (skew / excess)^2 + 4 excess.
     let ratio = skew / excess;
     let scale = (ratio * ratio + 4.0 * excess).sqrt();
-    let (share, share_sigma) = with_prior(excess, sigma);
     Some(Glows {
         share,
         share_sigma,
@@ -145,27 +137,55 @@ pub(super) fn estimate(spots: &[(&Spot, Faces)], thickness: f64) -> Option<Glows
     })
 }
 
-/// The usual q (1 - q), and one standard deviation of it.
+/// Standard deviation of the unknown f, uniform from 0 to 1.
+const BEAM_PART_SIGMA: f64 = 0.29;
+
+impl Faces {
+    /// The spot's measured q (1 - q), for a part f of the beam in its width.
+    fn excess(&self, spot: &Spot, beam_part: f64) -> f64 {
+        let distance = self.offset.norm();
+        let along = self.offset / distance;
+        let across = Vector2::new(-along.y, along.x);
+        let footprint = self.stretch * self.stretch - 1.0;
+        let own = spot.width_along(across) * (1.0 + beam_part * footprint);
+        (spot.width_along(along) - own) / (distance * distance)
+    }
+
+    /// The spot's measured q (1 - q) (1 - 2q).
+    fn skew(&self, spot: &Spot) -> f64 {
+        let distance = self.offset.norm();
+        spot.skew_along(self.offset / distance) / (distance * distance * distance)
+    }
+}
+
+/// Mean and standard deviation of the share; `excesses` gives the measured q (1 - q) for each f.
+fn share(excesses: impl Fn(f64) -> (f64, f64), (skew, skew_sigma): (f64, f64)) -> (f64, f64) {
+    const SHARES: usize = 101;
+    const BEAM_PARTS: usize = 11;
+    /// Third moments are exact for Gaussian spots alone: what else may be in them.
+    const SKEW_MODEL: f64 = 0.02;
+    let square = |x: f64| x * x;
+    let skew_variance = square(skew_sigma) + square(SKEW_MODEL);
+    let measured: Vec<(f64, f64)> = (0..BEAM_PARTS)
+        .map(|i| excesses(i as f64 / (BEAM_PARTS - 1) as f64))
+        .collect();
+    mean_of((0..SHARES).flat_map(|i| {
+        let share = 0.5 * i as f64 / (SHARES - 1) as f64;
+        let excess = share * (1.0 - share);
+        let lopsided = excess * (1.0 - 2.0 * share);
+        let all = square(lopsided - skew) / skew_variance + square((excess - PRIOR) / PRIOR_SIGMA);
+        measured.iter().map(move |(seen, sigma)| {
+            let wide = square((excess - seen) / sigma.max(1e-6));
+            (share, 0.5 * (all + wide) + libm::log(sigma.max(1e-6)))
+        })
+    }))
+}
+
+/// The usual q (1 - q), and one standard deviation of it: the inner face's glow is the fainter one, about a
+/// fifth of the light. Where the two glows lie less than a spot's width apart, this is nearly all there is to
+/// know.
 const PRIOR: f64 = 0.16;
 const PRIOR_SIGMA: f64 = 0.06;
-
-/// The share from the measured q (1 - q), together with what is known beforehand: the inner face's glow
-/// is the fainter one, about a fifth of the light. Where the two glows lie less than a spot's width
-/// apart, this is nearly all there is to know.
-fn with_prior(excess: f64, sigma: f64) -> (f64, f64) {
-    let (measured, prior) = (1.0 / (sigma * sigma), 1.0 / (PRIOR_SIGMA * PRIOR_SIGMA));
-    let excess = (excess * measured + PRIOR * prior) / (measured + prior);
-    let sigma = 1.0 / (measured + prior).sqrt();
-    (
-        share(excess),
-        0.5 * (share(excess + sigma) - share(excess - sigma)),
-    )
-}
-
-/// The smaller q with q (1 - q) = excess.
-fn share(excess: f64) -> f64 {
-    0.5 * (1.0 - (1.0 - 4.0 * excess.clamp(0.0, 0.25)).sqrt())
-}
 
 /// The median and its own standard deviation, 1.25 times that of a mean.
 fn median_and_sigma(values: Vec<f64>) -> (f64, f64) {

@@ -8,7 +8,7 @@ use serde_json::Value;
 use snellius::export::ReconstructionResult;
 use snellius::pipeline::{PipelineError, Settings, observe, reconstruct};
 use snellius::scan::{Archive, ArchiveWriter};
-use snellius::simulate::{Brightness, Scene, Simulation, Truth};
+use snellius::simulate::{Brightness, Scene, Simulation, Sweep, Truth, Turntable};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -32,6 +32,36 @@ pub fn scene() -> Scene {
     let mut scene =
         Scene::from_toml(&format!("{scene}{}", rows(&[-60.0, -20.0, 20.0, 60.0]))).unwrap();
     scene.brightness.inner_face = 0.0;
+    scene
+}
+
+/// A ball in a round jar, seen in two rows of stations by a rig that stands still: the turntable about the
+/// vertical `axis` turns by `degrees` either way, and the jar stands in the world's origin at angle 0.
+pub fn jar_on_a_turntable(axis: [f64; 3], heights: [f64; 2], degrees: f64, views: usize) -> Scene {
+    let jar = r#"
+        name = "A ball in a jar on a turntable"
+        seed = 5
+        camera = { model = "opencv", width = 320, height = 240, fx = 480.0, fy = 479.5, cx = 161.2, cy = 118.3, distortion = [-0.11, 0.06, 0.0006, -0.0004, 0.0] }
+        laser = { kind = "spot", origin = [-160.0, 3.0, 4.0], direction = [0.336, -0.006, 0.942] }
+        flange_from_camera = { rotation = [0.7071, 0.0, 0.0, 0.7071], translation = [28.0, -41.5, 63.2] }
+        vessel = { shape = "cylinder", wall_thickness = 2.5, centre = [0.0, 0.0, 0.0], half_size = [75.0, 150.0], radius = 75.0 }
+        media = { outside = 1.0, wall = 1.5, inside = 1.333 }
+        sweep = []
+        object = [{ kind = "sphere", centre = [6.0, 0.0, 4.0], radius = 30.0 }]
+    "#;
+    let mut scene = Scene::from_toml(jar).unwrap();
+    scene.turntable = Some(Turntable {
+        point: axis,
+        axis: [0.0, 1.0, 0.0],
+    });
+    let row = |y: f64| Sweep {
+        from: [0.0, y, -440.0],
+        to: [0.0, y, -440.0],
+        views,
+        rotation: [0.0; 3],
+        turn: [-degrees, degrees],
+    };
+    scene.sweeps = heights.map(row).to_vec();
     scene
 }
 

@@ -11,6 +11,7 @@
 
 #[cfg(feature = "simulate")]
 pub mod archives;
+pub mod errors;
 pub mod pictures;
 #[cfg(feature = "simulate")]
 pub mod synthetic;
