@@ -10,6 +10,7 @@ use crate::lab::Lab;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
+use crate::sessions;
 use crate::shortcuts::{self, HelpSheet};
 use crate::start::StartScreen;
 use crate::state::{Screen, Workbench};
@@ -26,6 +27,7 @@ pub(crate) fn start() {
     if let Some(shell) = document().get_element_by_id("shell") {
         shell.remove();
     }
+    sessions::sweep();
     mount::mount_to_body(App);
 }
 

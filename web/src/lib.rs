@@ -20,6 +20,7 @@ mod progress;
 mod result;
 mod run;
 mod scene;
+mod sessions;
 mod shortcuts;
 mod stages;
 mod start;

@@ -145,6 +145,14 @@ impl Hand {
         }
     }
 
+    /// Has it put a note into the archive; says how many of its first bytes stay, and what follows them.
+    pub(crate) async fn note(&self, note: String) -> Result<(f64, Uint8Array), Problem> {
+        match self.ask(Request::Note(note)).await? {
+            Reply::Noted(keep, bytes) => Ok((keep, bytes)),
+            _ => Err(unexpected()),
+        }
+    }
+
     async fn ask(&self, request: Request) -> Answered {
         let number = self.last_number.get() + 1;
         self.last_number.set(number);

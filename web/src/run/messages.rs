@@ -52,6 +52,8 @@ pub(crate) enum Request {
     Thumbnail { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
+    /// Say what must follow the archive's first bytes so that it holds a note. Answered by `Noted`.
+    Note(String),
 }
 
 /// What a worker answers.
@@ -67,6 +69,11 @@ pub(crate) enum Reply {
     Pictures(PictureSet),
     Thumbnail(Thumbnail),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
+    /// How many of the archive's first bytes stay, and what follows them.
+    Noted(
+        f64,
+        #[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array,
+    ),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.
@@ -78,7 +85,7 @@ impl Reply {
     pub(crate) fn transfer(&self) -> Array {
         match self {
             Self::Pictures(set) => set.buffers(),
-            Self::Written(bytes) => Array::of1(&bytes.buffer()),
+            Self::Written(bytes) | Self::Noted(_, bytes) => Array::of1(&bytes.buffer()),
             Self::Thumbnail(thumbnail) => Array::of1(&thumbnail.pixels.buffer()),
             _ => Array::new(),
         }

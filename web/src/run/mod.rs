@@ -14,7 +14,7 @@ mod report;
 mod study;
 pub(crate) mod worker;
 
-pub(crate) use lab::{Lab, Progress};
+pub(crate) use lab::{Lab, Progress, with_note};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{PictureSet, Thumbnail};
 pub(crate) use plan::Plan;

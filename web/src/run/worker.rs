@@ -95,14 +95,16 @@ impl Desk {
                 &self.archive()?.pictures(view)?.on,
             ))),
             Request::Write(format) => self.write(format),
+            Request::Note(note) => self.note(&note),
         }
     }
 
     fn open(&mut self, file: Blob) -> Result<Reply, Problem> {
         let reader = BlobReader::new(file)
             .map_err(|e| Problem::own(format!("The browser gives no file reader: {e:?}")))?;
-        let archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
-        let facts = Facts::of(archive.scan());
+        let mut archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
+        let mut facts = Facts::of(archive.scan());
+        facts.session = archive.session();
         self.archive = Some(archive);
         Ok(Reply::Opened(Box::new(facts)))
     }
@@ -143,6 +145,14 @@ impl Desk {
         let result = self.result.as_ref().ok_or_else(out_of_order)?;
         let bytes = result.write(format)?;
         Ok(Reply::Written(Uint8Array::from(bytes.as_slice())))
+    }
+
+    /// The archive is closed afterwards.
+    fn note(&mut self, note: &str) -> Result<Reply, Problem> {
+        let archive = self.archive.take().ok_or_else(out_of_order)?;
+        let tail = archive.with_session(note)?;
+        let bytes = Uint8Array::from(tail.bytes.as_slice());
+        Ok(Reply::Noted(tail.keep as f64, bytes))
     }
 
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {
