@@ -1,0 +1,34 @@
+//! Vessel and object from above and aside: the paper's Fig. 10.
+
+use super::super::ReconstructionResult;
+use super::name;
+use super::view::View;
+use crate::plot::{Axis, Ink, PlotError, SpaceDot, SpaceFigure};
+
+/// All points in a box.
+pub(super) fn figure(result: &ReconstructionResult) -> Result<SpaceFigure, PlotError> {
+    let view = View::of(result)?;
+    let mut dots = Vec::new();
+    for (number, of) in result.numbered() {
+        let dot = |point: &[f64; 3], series, ink, words| SpaceDot {
+            at: view.place(*point),
+            series,
+            ink,
+            view: Some(number),
+            words,
+        };
+        let wall = of.vessel.iter();
+        dots.extend(wall.map(|p| dot(p, "wall", Ink::Wall, format!("{}, wall", name(of)))));
+        let object = of.object.iter();
+        dots.extend(object.map(|p| dot(p, "object", Ink::Sweep(of.sweep), name(of))));
+    }
+    Ok(SpaceFigure {
+        title: "Bird's-eye view".to_owned(),
+        axes: [
+            Axis::new("Along the scan", "mm", 2),
+            Axis::new("Across it", "mm", 2),
+            Axis::new("Behind the wall", "mm", 2),
+        ],
+        dots,
+    })
+}
