@@ -45,5 +45,5 @@ pub(super) fn svg(drawn: &Drawn) -> Result<String, PlotError> {
             .filter(|_| drawn.level.is_none())
             .map(|minimum| [minimum.index, minimum.value]),
     };
-    Ok(figure.draw(SIZE)?.svg)
+    Ok(figure.figure().draw(SIZE)?.svg)
 }

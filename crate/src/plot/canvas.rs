@@ -142,7 +142,7 @@ impl DrawingBackend for Canvas<'_> {
         let down = match style.anchor().v_pos {
             VPos::Top => "0.8em",
             VPos::Center => "0.35em",
-            VPos::Bottom => "-0.2em",
+            VPos::Bottom => "-0.3em",
         };
         let turn = match style.transform() {
             FontTransform::None => 0,

@@ -20,48 +20,55 @@ impl Figure {
             }
             return text;
         }
-        let mut text = format!("series,view,{x},{y}\n");
+        let value = self.value.as_ref().map(|axis| format!(",{}", column(axis)));
+        let mut text = format!("series,view,{x},{y}{}\n", value.unwrap_or_default());
         for layer in &self.layers {
-            rows(layer, &mut text);
+            self.rows(layer, &mut text);
         }
         text
     }
 }
 
+impl Figure {
+    fn rows(&self, layer: &Layer, text: &mut String) {
+        match layer {
+            Layer::Dots { series, dots, .. } => {
+                for dot in dots {
+                    let [x, y] = dot.at;
+                    let view = name(&self.views, dot.view);
+                    let value = dot.value.map(|value| format!(",{value}"));
+                    let value = value.unwrap_or_default();
+                    let _ = writeln!(text, "{series},{view},{x},{y}{value}");
+                }
+            }
+            Layer::Line {
+                series: Some(series),
+                points,
+                ..
+            } => {
+                for [x, y] in points {
+                    let _ = writeln!(text, "{series},,{x},{y}");
+                }
+            }
+            Layer::Level(value) => {
+                let _ = writeln!(text, "known,,,{value}");
+            }
+            Layer::Line { .. } | Layer::Band(_) | Layer::Bars(_) => {}
+        }
+    }
+}
+
 impl SpaceFigure {
-    /// The values as a table, one row a dot. A view is named by its number in the scan, from 0.
+    /// The values as a table, one row a dot.
     pub fn csv(&self) -> String {
         let [x, y, z] = [0, 1, 2].map(|axis| column(&self.axes[axis]));
         let mut text = format!("series,view,{x},{y},{z}\n");
         for dot in &self.dots {
             let [x, y, z] = dot.at;
-            let _ = writeln!(text, "{},{},{x},{y},{z}", dot.series, number(dot.view));
+            let view = name(&self.views, dot.view);
+            let _ = writeln!(text, "{},{view},{x},{y},{z}", dot.series);
         }
         text
-    }
-}
-
-fn rows(layer: &Layer, text: &mut String) {
-    match layer {
-        Layer::Dots { series, dots, .. } => {
-            for dot in dots {
-                let [x, y] = dot.at;
-                let _ = writeln!(text, "{series},{},{x},{y}", number(dot.view));
-            }
-        }
-        Layer::Line {
-            series: Some(series),
-            points,
-            ..
-        } => {
-            for [x, y] in points {
-                let _ = writeln!(text, "{series},,{x},{y}");
-            }
-        }
-        Layer::Level(value) => {
-            let _ = writeln!(text, "known,,,{value}");
-        }
-        Layer::Line { .. } | Layer::Band(_) | Layer::Bars(_) => {}
     }
 }
 
@@ -73,6 +80,14 @@ fn column(axis: &Axis) -> String {
     .replace(',', "")
 }
 
-fn number(view: Option<usize>) -> String {
-    view.map_or_else(String::new, |view| view.to_string())
+/// A view's id, quoted where the table's own signs are in it.
+fn name(views: &[String], view: Option<usize>) -> String {
+    let id = view.and_then(|view| views.get(view));
+    match id {
+        Some(id) if id.contains([',', '"', '\n', '\r']) => {
+            format!("\"{}\"", id.replace('"', "\"\""))
+        }
+        Some(id) => id.clone(),
+        None => String::new(),
+    }
 }

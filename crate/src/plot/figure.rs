@@ -1,6 +1,7 @@
 //! What a figure is made of, before it is drawn.
 
 use super::paint::Ink;
+use super::{Drawing, PlotError};
 
 /// What an axis counts.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,10 @@ pub struct Figure {
     pub y: Axis,
     /// A unit is as long across as upwards.
     pub equal: bool,
+    /// What the dots' colours say.
+    pub value: Option<Axis>,
+    /// The views' names, in the scan's order.
+    pub views: Vec<String>,
     /// What must be within the axes besides the layers' values: `[x, y]`.
     pub within: Vec<[f64; 2]>,
     /// What is drawn, from the back to the front.
@@ -60,16 +65,16 @@ pub enum Layer {
 }
 
 /// A dot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dot {
     /// Its values.
     pub at: [f64; 2],
     /// How it looks.
     pub ink: Ink,
+    /// What its colour says.
+    pub value: Option<f64>,
     /// The view it comes from.
     pub view: Option<usize>,
-    /// What is told of it beside its values.
-    pub words: String,
 }
 
 /// A bar.
@@ -90,12 +95,14 @@ pub struct SpaceFigure {
     pub title: String,
     /// To the right, upwards, and away from who looks; a unit is as long on each.
     pub axes: [Axis; 3],
-    /// The dots, with their name in the table.
+    /// The views' names, in the scan's order.
+    pub views: Vec<String>,
+    /// The dots.
     pub dots: Vec<SpaceDot>,
 }
 
 /// A dot in space.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceDot {
     /// Its values.
     pub at: [f64; 3],
@@ -105,8 +112,6 @@ pub struct SpaceDot {
     pub ink: Ink,
     /// The view it comes from.
     pub view: Option<usize>,
-    /// What is told of it beside its values.
-    pub words: String,
 }
 
 impl Axis {
@@ -146,6 +151,8 @@ impl Figure {
             x,
             y,
             equal: false,
+            value: None,
+            views: Vec::new(),
             within: Vec::new(),
             layers: Vec::new(),
         }
@@ -156,5 +163,58 @@ impl Figure {
     pub fn with(mut self, layer: Layer) -> Self {
         self.layers.push(layer);
         self
+    }
+}
+
+/// A figure of either kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plot {
+    /// In a plane.
+    Flat(Figure),
+    /// In space.
+    Space(SpaceFigure),
+}
+
+impl Plot {
+    /// Draws it, so many px wide and high.
+    pub fn draw(&self, size: [u32; 2]) -> Result<Drawing, PlotError> {
+        match self {
+            Self::Flat(figure) => figure.draw(size),
+            Self::Space(figure) => figure.draw(size),
+        }
+    }
+
+    /// All its values as a table (CSV).
+    pub fn csv(&self) -> String {
+        match self {
+            Self::Flat(figure) => figure.csv(),
+            Self::Space(figure) => figure.csv(),
+        }
+    }
+}
+
+impl Dot {
+    /// A dot that is its place alone.
+    pub const fn bare(at: [f64; 2], ink: Ink) -> Self {
+        Self {
+            at,
+            ink,
+            value: None,
+            view: None,
+        }
+    }
+}
+
+/// What is told of a value: whose it is, and the values themselves.
+pub(super) fn words(
+    views: &[String],
+    (view, series): (Option<usize>, &str),
+    told: impl IntoIterator<Item = String>,
+) -> String {
+    let told: Vec<String> = told.into_iter().collect();
+    let told = told.join(", ");
+    match view.and_then(|view| views.get(view)) {
+        Some(name) => format!("View {name}, {series}: {told}"),
+        None => told,
     }
 }

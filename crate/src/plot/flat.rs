@@ -7,7 +7,7 @@ use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::{Color, IntoFont, ShapeStyle, TextStyle};
 
 use super::canvas::{Canvas, LETTERS, UNITS, file};
-use super::figure::{Dot, Figure, Layer};
+use super::figure::{Dot, Figure, Layer, words};
 use super::paint::Ink;
 use super::scale::Scale;
 use super::{Drawing, Mark, PlotError};
@@ -29,10 +29,10 @@ impl Figure {
         let mut svg = String::new();
         let marks = self.draw_into(&mut svg, size)?;
         Ok(Drawing {
+            title: self.title.clone(),
             svg: file(&self.title, size, &svg),
             size,
             marks,
-            csv: self.csv(),
         })
     }
 
@@ -46,9 +46,9 @@ impl Figure {
         }
         let [x, y] = self.ranges([f64::from(width), f64::from(height)])?;
         let area = Canvas::new(svg, size).into_drawing_area();
-        // About a tick every 70 px across and 45 px upwards.
-        let across = Scale::new(x, (f64::from(width) / 70.0).max(2.0));
-        let upwards = Scale::new(y, (f64::from(height) / 45.0).max(2.0));
+        // Numbers about every 45 px across and 32 px upwards, or up to two and a half times that.
+        let across = Scale::new(x, (f64::from(width) / 45.0).max(4.0));
+        let upwards = Scale::new(y, (f64::from(height) / 32.0).max(4.0));
         let mut chart = ChartBuilder::on(&area)
             .margin_top(TOP * UNITS)
             .margin_right(RIGHT * UNITS)
@@ -112,21 +112,25 @@ impl Figure {
             [x, y].map(|part| part as f32 / UNITS as f32)
         };
         let told = |at: [f64; 2]| {
-            format!(
-                "{} {}, {} {}",
-                self.x.name,
-                self.x.told(at[0]),
-                self.y.name,
-                self.y.told(at[1])
+            let [x, y] = [(&self.x, at[0]), (&self.y, at[1])];
+            [x, y].map(|(axis, value)| format!("{} {}", axis.name, axis.told(value)))
+        };
+        let of_dot = |dot: &Dot, series: &'static str| {
+            let value = self.value.as_ref().zip(dot.value);
+            let value = value.map(|(axis, value)| format!("{} {}", axis.name, axis.told(value)));
+            words(
+                &self.views,
+                (dot.view, series),
+                value.into_iter().chain(told(dot.at)),
             )
         };
         let mut marks = Vec::new();
         for layer in &self.layers {
             match layer {
-                Layer::Dots { dots, .. } => marks.extend(few(dots).map(|dot| Mark {
+                Layer::Dots { series, dots, .. } => marks.extend(few(dots).map(|dot| Mark {
                     at: place(dot.at),
                     view: dot.view,
-                    words: joined(&dot.words, &told(dot.at)),
+                    words: of_dot(dot, series),
                 })),
                 Layer::Line {
                     series: Some(_),
@@ -135,7 +139,7 @@ impl Figure {
                 } => marks.extend(points.iter().map(|at| Mark {
                     at: place(*at),
                     view: None,
-                    words: told(*at),
+                    words: words(&[], (None, ""), told(*at)),
                 })),
                 Layer::Bars(bars) => marks.extend(bars.iter().map(|bar| {
                     let [from, to] = bar.across.map(|x| self.x.told(x));
@@ -230,14 +234,6 @@ fn runs(points: &[[f64; 2]], [x, y]: [[f64; 2]; 2]) -> Vec<Vec<(f64, f64)>> {
         .collect()
 }
 
-pub(super) fn joined(first: &str, second: &str) -> String {
-    if first.is_empty() {
-        second.to_owned()
-    } else {
-        format!("{first}: {second}")
-    }
-}
-
 /// The least and the greatest.
 pub(super) fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let [low, high] = values
@@ -275,17 +271,4 @@ pub(super) fn letters() -> TextStyle<'static> {
     ("sans-serif", LETTERS * UNITS)
         .into_font()
         .color(&Ink::Text.colour())
-}
-
-/// A dot of no view.
-impl Dot {
-    /// A dot without words.
-    pub fn bare(at: [f64; 2], ink: Ink) -> Self {
-        Self {
-            at,
-            ink,
-            view: None,
-            words: String::new(),
-        }
-    }
 }

@@ -13,7 +13,7 @@ mod scale;
 mod space;
 mod ticks;
 
-pub use figure::{Axis, Bar, Dot, Figure, Layer, SpaceDot, SpaceFigure};
+pub use figure::{Axis, Bar, Dot, Figure, Layer, Plot, SpaceDot, SpaceFigure};
 pub use paint::{Ink, SWEEP_COLOURS, sweep_colour};
 
 use plotters::drawing::DrawingAreaErrorKind;
@@ -22,14 +22,14 @@ use serde::{Deserialize, Serialize};
 /// A figure as it is drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drawing {
+    /// What it shows.
+    pub title: String,
     /// A whole SVG file.
     pub svg: String,
     /// Width and height, px.
     pub size: [u32; 2],
     /// Where values stand in it, so that a pointer finds them.
     pub marks: Vec<Mark>,
-    /// The values as a table.
-    pub csv: String,
 }
 
 /// A value in a drawing.
@@ -44,7 +44,7 @@ pub struct Mark {
 }
 
 /// Why there is no drawing.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 pub enum PlotError {
     /// There are no values.
     #[error("there is nothing to draw")]

@@ -8,8 +8,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, TRANSPARENT};
 
 use super::canvas::{Canvas, UNITS, file};
-use super::figure::{Axis, SpaceFigure};
-use super::flat::{MOST_DOTS, extent, few, fill, joined, letters, padded, stroke};
+use super::figure::{Axis, SpaceFigure, words};
+use super::flat::{MOST_DOTS, extent, few, fill, letters, padded, stroke};
 use super::paint::Ink;
 use super::scale::Scale;
 use super::{Drawing, Mark, PlotError};
@@ -27,7 +27,9 @@ fn projection(middle: [f64; 3], place: [f64; 2]) -> ProjectionMatrix {
     let (sin_yaw, cos_yaw) = libm::sincos(YAW);
     let (sin_pitch, cos_pitch) = libm::sincos(PITCH);
     let right = [cos_yaw, 0.0, sin_yaw];
-    let away = [-sin_yaw * cos_pitch, -sin_pitch, cos_yaw * cos_pitch];
+    // By depth plotters chooses the edges that carry numbers: of those below, the nearest. Height shall not
+    // count, but for telling floor from ceiling.
+    let away = [-sin_yaw, -0.01, cos_yaw];
     let down = [sin_yaw * sin_pitch, -cos_pitch, -cos_yaw * sin_pitch];
     let row = |axis: [f64; 3], at: f64| {
         let moved = at - (0..3).map(|i| axis[i] * middle[i]).sum::<f64>();
@@ -47,10 +49,10 @@ impl SpaceFigure {
         let mut svg = String::new();
         let marks = self.draw_into(&mut svg, size)?;
         Ok(Drawing {
+            title: self.title.clone(),
             svg: file(&self.title, size, &svg),
             size,
             marks,
-            csv: self.csv(),
         })
     }
 
@@ -96,34 +98,31 @@ impl SpaceFigure {
             let circle = Circle::new(at, (radius * f64::from(UNITS)) as u32, fill(dot.ink));
             drawing.draw(&circle)?;
         }
-        let name = |axis: &Axis, at: (f64, f64, f64), pos: Pos| {
-            drawing.draw(&Text::new(axis.label(), at, text.clone().pos(pos)))
+        let name = |axis: &Axis, at: (f64, f64, f64), aside: [i32; 2], pos: Pos| {
+            let (across, down) = drawing.map_coordinate(&at);
+            let [right, lower] = aside.map(|px| px * UNITS as i32);
+            let at = (across + right, down + lower);
+            area.draw(&Text::new(axis.label(), at, text.clone().pos(pos)))
         };
         let [x_axis, y_axis, z_axis] = &self.axes;
         let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
-        let below = y[0] - 0.20 * longest.min(2.0 * lengths[1]);
-        name(
-            x_axis,
-            (middle(x), below, z[0]),
+        let (below, above) = (
             Pos::new(HPos::Center, VPos::Top),
-        )?;
-        name(
-            y_axis,
-            (x[0], y[1] + 0.06 * longest, z[0]),
             Pos::new(HPos::Center, VPos::Bottom),
-        )?;
-        name(
-            z_axis,
-            (x[1], below, middle(z)),
-            Pos::new(HPos::Left, VPos::Top),
-        )?;
+        );
+        name(x_axis, (middle(x), y[0], z[0]), [-24, 26], below)?;
+        name(z_axis, (x[1], y[0], middle(z)), [56, 26], below)?;
+        name(y_axis, (x[0], y[1], z[0]), [0, -8], above)?;
         let mark = |dot: &&super::SpaceDot| {
             let (across, down) = drawing.map_coordinate(&(dot.at[0], dot.at[1], dot.at[2]));
-            let told = [0, 1, 2].map(|axis| self.axes[axis].told(dot.at[axis]));
+            let told = [0, 1, 2].map(|axis| {
+                let (axis, value) = (&self.axes[axis], dot.at[axis]);
+                format!("{} {}", axis.name, axis.told(value))
+            });
             Mark {
                 at: [across, down].map(|part| part as f32 / UNITS as f32),
                 view: dot.view,
-                words: joined(&dot.words, &told.join(", ")),
+                words: words(&self.views, (dot.view, dot.series), told),
             }
         };
         Ok(dots.iter().map(mark).collect())

@@ -1,7 +1,6 @@
 //! Vessel and object from above and aside: the paper's Fig. 10.
 
 use super::super::ReconstructionResult;
-use super::name;
 use super::view::View;
 use crate::plot::{Axis, Ink, PlotError, SpaceDot, SpaceFigure};
 
@@ -10,17 +9,16 @@ pub(super) fn figure(result: &ReconstructionResult) -> Result<SpaceFigure, PlotE
     let view = View::of(result)?;
     let mut dots = Vec::new();
     for (number, of) in result.numbered() {
-        let dot = |point: &[f64; 3], series, ink, words| SpaceDot {
+        let dot = |point: &[f64; 3], series, ink| SpaceDot {
             at: view.place(*point),
             series,
             ink,
             view: Some(number),
-            words,
         };
         let wall = of.vessel.iter();
-        dots.extend(wall.map(|p| dot(p, "wall", Ink::Wall, format!("{}, wall", name(of)))));
+        dots.extend(wall.map(|p| dot(p, "wall", Ink::Wall)));
         let object = of.object.iter();
-        dots.extend(object.map(|p| dot(p, "object", Ink::Sweep(of.sweep), name(of))));
+        dots.extend(object.map(|p| dot(p, "object", Ink::Sweep(of.sweep))));
     }
     Ok(SpaceFigure {
         title: "Bird's-eye view".to_owned(),
@@ -29,6 +27,7 @@ pub(super) fn figure(result: &ReconstructionResult) -> Result<SpaceFigure, PlotE
             Axis::new("Across it", "mm", 2),
             Axis::new("Behind the wall", "mm", 2),
         ],
+        views: result.view_names(),
         dots,
     })
 }

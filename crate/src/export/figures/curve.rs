@@ -1,6 +1,6 @@
 //! A quantity over the refractive index: the paper's eq. (3) and its Fig. 12.
 
-use crate::plot::{Axis, Dot, Drawing, Figure, Ink, Layer, PlotError};
+use crate::plot::{Axis, Dot, Figure, Ink, Layer};
 
 /// A curve over the index, and what to say of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +20,8 @@ pub struct IndexFigure {
 }
 
 impl IndexFigure {
-    /// Draws it, so many px wide and high.
-    pub fn draw(&self, size: [u32; 2]) -> Result<Drawing, PlotError> {
+    /// It as a figure.
+    pub fn figure(&self) -> Figure {
         let index = Axis::new("Refractive index n", "", 3);
         let mut figure = Figure::new(self.title.clone(), index, self.quantity.clone());
         figure.layers.extend(self.interval.map(Layer::Band));
@@ -36,6 +36,6 @@ impl IndexFigure {
             radius: 4.0,
             dots: vec![Dot::bare(at, Ink::Minimum)],
         }));
-        figure.draw(size)
+        figure
     }
 }

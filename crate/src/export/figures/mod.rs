@@ -10,7 +10,7 @@ mod view;
 use serde::{Deserialize, Serialize};
 
 use super::{ReconstructionResult, ViewResult};
-use crate::plot::{Drawing, PlotError};
+use crate::plot::{Plot, PlotError};
 
 pub use curve::IndexFigure;
 
@@ -32,27 +32,26 @@ pub enum ResultFigure {
 }
 
 impl ReconstructionResult {
-    /// Draws a figure, so many px wide and high.
-    pub fn figure(&self, figure: ResultFigure, size: [u32; 2]) -> Result<Drawing, PlotError> {
-        match figure {
-            ResultFigure::TopView => top_view::figure(self, true)?.draw(size),
-            ResultFigure::TopViewStraight => top_view::figure(self, false)?.draw(size),
-            ResultFigure::BirdsEye => birds_eye::figure(self)?.draw(size),
-            ResultFigure::RayDistances => ray_distances::by_view(self)?.draw(size),
-            ResultFigure::RayDistanceHistogram => ray_distances::histogram(self)?.draw(size),
-            ResultFigure::WallResiduals => residuals::figure(self)?.draw(size),
-        }
+    /// A figure, to be drawn or written as a table.
+    pub fn figure(&self, figure: ResultFigure) -> Result<Plot, PlotError> {
+        Ok(match figure {
+            ResultFigure::TopView => Plot::Flat(top_view::figure(self, true)?),
+            ResultFigure::TopViewStraight => Plot::Flat(top_view::figure(self, false)?),
+            ResultFigure::BirdsEye => Plot::Space(birds_eye::figure(self)?),
+            ResultFigure::RayDistances => Plot::Flat(ray_distances::by_view(self)?),
+            ResultFigure::RayDistanceHistogram => Plot::Flat(ray_distances::histogram(self)?),
+            ResultFigure::WallResiduals => Plot::Flat(residuals::figure(self)?),
+        })
     }
 
     /// The views with their numbers.
     fn numbered(&self) -> impl Iterator<Item = (usize, &ViewResult)> {
         self.views.iter().enumerate()
     }
-}
 
-/// A view's name in a figure.
-fn name(view: &ViewResult) -> String {
-    format!("View {}", view.id)
+    fn view_names(&self) -> Vec<String> {
+        self.views.iter().map(|view| view.id.clone()).collect()
+    }
 }
 
 /// How large dots are drawn, px: of many each is small.

@@ -1,7 +1,7 @@
 //! How far the two light paths of each object point miss each other.
 
 use super::super::ReconstructionResult;
-use super::{name, radius};
+use super::radius;
 use crate::plot::{Axis, Bar, Dot, Figure, Ink, Layer, PlotError};
 
 /// The sheet of a line laser meets every line of sight, to the last bits of the numbers.
@@ -18,8 +18,8 @@ pub(super) fn by_view(result: &ReconstructionResult) -> Result<Figure, PlotError
         dots.extend(of.ray_distance.iter().map(|distance| Dot {
             at: [number as f64, *distance],
             ink: Ink::Sweep(of.sweep),
+            value: None,
             view: Some(number),
-            words: name(of),
         }));
     }
     let mut figure = Figure::new(
@@ -28,6 +28,7 @@ pub(super) fn by_view(result: &ReconstructionResult) -> Result<Figure, PlotError
         Axis::new("Ray distance", "mm", 3),
     );
     figure.within = vec![[0.0, 0.0]];
+    figure.views = result.view_names();
     Ok(figure.with(Layer::Dots {
         series: "object",
         radius: radius(dots.len()),

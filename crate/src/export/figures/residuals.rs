@@ -1,8 +1,8 @@
 //! How far the wall's points lie off the fitted wall, over the wall.
 
 use super::super::{ReconstructionResult, WallResult};
+use super::radius;
 use super::view::View;
-use super::{name, radius};
 use crate::geometry::Point;
 use crate::plot::{Axis, Dot, Figure, Ink, Layer, PlotError};
 
@@ -18,17 +18,17 @@ pub(super) fn figure(result: &ReconstructionResult) -> Result<Figure, PlotError>
     for (number, of) in result.numbered() {
         points.extend(of.vessel.iter().map(|point| {
             let residual = surface.signed_distance(Point::from(*point));
-            (number, of, on_wall(&view, unrolled, *point), residual)
+            (number, on_wall(&view, unrolled, *point), residual)
         }));
     }
     let full = usual_most(points.iter().map(|(.., residual)| residual.abs()));
     let dots: Vec<Dot> = points
         .into_iter()
-        .map(|(number, of, at, residual)| Dot {
+        .map(|(number, at, residual)| Dot {
             at,
             ink: Ink::Signed(residual / full),
+            value: Some(residual),
             view: Some(number),
-            words: format!("{}, {residual:+.3} mm off the wall", name(of)).replace('-', "\u{2212}"),
         })
         .collect();
     let mut figure = Figure::new(
@@ -39,6 +39,8 @@ pub(super) fn figure(result: &ReconstructionResult) -> Result<Figure, PlotError>
         Axis::new("Across it", "mm", 1),
     );
     figure.equal = true;
+    figure.value = Some(Axis::new("Off the wall", "mm", 3));
+    figure.views = result.view_names();
     Ok(figure.with(Layer::Dots {
         series: "wall",
         radius: 1.3 * radius(dots.len()),

@@ -1,8 +1,8 @@
 //! Vessel and object from above, with refraction and without: the paper's Fig. 11.
 
 use super::super::{ReconstructionResult, WallResult};
+use super::radius;
 use super::view::View;
-use super::{name, radius};
 use crate::geometry::{Direction, Point, Ray};
 use crate::plot::{Axis, Dot, Figure, Ink, Layer, PlotError};
 
@@ -27,6 +27,7 @@ pub(super) fn figure(result: &ReconstructionResult, refracted: bool) -> Result<F
         Axis::new("Behind the wall", "mm", 2),
     );
     figure.equal = true;
+    figure.views = result.view_names();
     for points in wall_lines(result, &view, &within) {
         figure = figure.with(Layer::Line {
             ink: Ink::Wall,
@@ -59,8 +60,8 @@ fn dots(result: &ReconstructionResult, view: &View, refracted: bool) -> Vec<Dot>
         dots.extend(points.into_iter().map(|point| Dot {
             at: view.from_above(point),
             ink: Ink::Sweep(of.sweep),
+            value: None,
             view: Some(number),
-            words: name(of),
         }));
     }
     dots
@@ -72,8 +73,8 @@ fn wall_dots(result: &ReconstructionResult, view: &View) -> Vec<Dot> {
         of.vessel.iter().map(move |point| Dot {
             at: view.from_above(*point),
             ink: Ink::Wall,
+            value: None,
             view: Some(number),
-            words: format!("{}, wall", name(of)),
         })
     });
     dots.collect()

@@ -56,7 +56,7 @@ fn figure(
     size: [u32; 2],
     caption: &str,
 ) -> Markup {
-    match result.figure(which, size) {
+    match result.figure(which).and_then(|plot| plot.draw(size)) {
         Ok(drawing) => html! { figure { (PreEscaped(drawing.svg)) figcaption { (caption) } } },
         Err(PlotError::Nothing) => html! { p { (caption) ": there is nothing to show." } },
         Err(error) => html! { p { (caption) ": " (error) "." } },
