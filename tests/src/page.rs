@@ -221,12 +221,48 @@ impl Page<'_> {
         Ok(self.value_of(&reached)? == true)
     }
 
+    /// Clicks a point of an element, given as shares of its size.
+    pub fn click_at(&self, selector: &str, at: (f64, f64)) -> Result<()> {
+        self.clicks_at(selector, at, 1)
+    }
+
+    /// Clicks it twice.
+    pub fn double_click_at(&self, selector: &str, at: (f64, f64)) -> Result<()> {
+        self.clicks_at(selector, at, 2)
+    }
+
+    fn clicks_at(&self, selector: &str, at: (f64, f64), count: u32) -> Result<()> {
+        let point = self.area_at_rest(selector)?.point(at);
+        self.mouse("mouseMoved", point, json!({}))?;
+        for number in 1..=count {
+            let button = json!({ "button": "left", "clickCount": number });
+            self.mouse("mousePressed", point, button.clone())?;
+            self.mouse("mouseReleased", point, button)?;
+        }
+        Ok(())
+    }
+
     /// Drags with the left button between two points of an element, given as shares of its size.
     pub fn drag(&self, selector: &str, from: (f64, f64), to: (f64, f64)) -> Result<()> {
+        self.drag_with(("left", 1), selector, from, to)
+    }
+
+    /// Likewise, with the right button.
+    pub fn drag_right(&self, selector: &str, from: (f64, f64), to: (f64, f64)) -> Result<()> {
+        self.drag_with(("right", 2), selector, from, to)
+    }
+
+    fn drag_with(
+        &self,
+        (button, buttons): (&str, u32),
+        selector: &str,
+        from: (f64, f64),
+        to: (f64, f64),
+    ) -> Result<()> {
         const STEPS: u32 = 12;
         let area = self.area_at_rest(selector)?;
         let (start, end) = (area.point(from), area.point(to));
-        let held = json!({ "button": "left", "buttons": 1, "clickCount": 1 });
+        let held = json!({ "button": button, "buttons": buttons, "clickCount": 1 });
         self.mouse("mouseMoved", start, json!({}))?;
         self.mouse("mousePressed", start, held.clone())?;
         for step in 1..=STEPS {
@@ -235,8 +271,32 @@ impl Page<'_> {
             let point = (between(start.0, end.0), between(start.1, end.1));
             self.mouse("mouseMoved", point, held.clone())?;
         }
-        let released = json!({ "button": "left", "clickCount": 1 });
+        let released = json!({ "button": button, "clickCount": 1 });
         self.mouse("mouseReleased", end, released)
+    }
+
+    /// Draws fingers over an element: each from a point to another one, given as shares of its size.
+    pub fn touch(&self, selector: &str, fingers: &[[(f64, f64); 2]]) -> Result<()> {
+        const STEPS: u32 = 12;
+        let area = self.area_at_rest(selector)?;
+        let touching = |share: f64| {
+            let fingers = fingers.iter().enumerate();
+            let points = fingers.map(|(id, [from, to])| {
+                let between = |a: f64, b: f64| a + share * (b - a);
+                let (x, y) = area.point((between(from.0, to.0), between(from.1, to.1)));
+                json!({ "x": x, "y": y, "id": id })
+            });
+            points.collect::<Vec<_>>()
+        };
+        let touch = |kind: &str, points: Vec<Value>| {
+            let event = json!({ "type": kind, "touchPoints": points });
+            self.call("Input.dispatchTouchEvent", event).map(drop)
+        };
+        touch("touchStart", touching(0.0))?;
+        for step in 1..=STEPS {
+            touch("touchMove", touching(f64::from(step) / f64::from(STEPS)))?;
+        }
+        touch("touchEnd", vec![])
     }
 
     /// Turns the wheel over the middle of an element; positive scrolls down.

@@ -15,6 +15,7 @@ mod legend;
 mod measuring;
 mod number;
 mod pictures;
+mod plots;
 mod progress;
 mod result;
 mod run;

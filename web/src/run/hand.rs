@@ -14,6 +14,7 @@ use web_sys::{
     Blob, BlobPropertyBag, ErrorEvent, MessageEvent, Url, Worker, WorkerOptions, WorkerType,
 };
 
+use super::figure::{FigureForm, FigureOf, Figured};
 use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
 use super::plan::Plan;
 use super::problem::Problem;
@@ -133,6 +134,14 @@ impl Hand {
     pub(crate) async fn thumbnail(&self, view: usize) -> Result<Thumbnail, Problem> {
         match self.ask(Request::Thumbnail { view }).await? {
             Reply::Thumbnail(thumbnail) => Ok(thumbnail),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it draw a figure, or write it as a table.
+    pub(crate) async fn figure(&self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        match self.ask(Request::Figure { of, form }).await? {
+            Reply::Figured(figured) => Ok(figured),
             _ => Err(unexpected()),
         }
     }

@@ -11,6 +11,7 @@ use snellius::pipeline::Settings;
 use snellius::spots::{SpotSettings, Spots};
 use web_sys::Blob;
 
+use super::figure::{FigureForm, FigureOf, Figured};
 use super::hand::Hand;
 use super::messages::{PictureSet, Thumbnail};
 use super::plan::Plan;
@@ -127,16 +128,42 @@ impl Lab {
         self.observer(view).await?.thumbnail(view).await
     }
 
+    /// Draws a figure of what a plan gives, or writes it as a table.
+    pub(crate) async fn figure(
+        &self,
+        (of, form): (FigureOf, FigureForm),
+        plan: &Plan,
+    ) -> Result<Figured, Problem> {
+        let measurer = self.measurer_with(plan).await?;
+        let figured = measurer.hand.figure(of, form).await;
+        self.measurer.replace(Some(measurer));
+        figured
+    }
+
     /// Writes a file of what a plan gives.
     pub(crate) async fn write(&self, format: Format, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let measurer = self.measurer_with(plan).await?;
+        let written = measurer.hand.write(format).await;
+        self.measurer.replace(Some(measurer));
+        written
+    }
+
+    /// The measurer, with the result of a plan on its desk.
+    async fn measurer_with(&self, plan: &Plan) -> Result<Measurer, Problem> {
+        // Whoever has it, for a figure or a study, brings it back soon; after a fault nobody does.
+        const LOOK: i32 = 20;
+        const MOST_LOOKS: usize = 1500;
+        for _ in 0..MOST_LOOKS {
+            if self.measurer.borrow().is_some() {
+                break;
+            }
+            super::sleep(LOOK).await;
+        }
         let is_measured = |measurer: &Measurer| measurer.measured.as_ref() == Some(plan);
         if !self.measurer.borrow().as_ref().is_some_and(is_measured) {
             self.measure(plan, |_| {}).await?;
         }
-        let measurer = self.measurer.take().ok_or_else(busy)?;
-        let written = measurer.hand.write(format).await;
-        self.measurer.replace(Some(measurer));
-        written
+        self.measurer.take().ok_or_else(busy)
     }
 
     /// The spots of all views, found now if they are not at hand.

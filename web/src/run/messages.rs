@@ -11,6 +11,7 @@ use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
+use super::figure::{FigureForm, FigureOf, Figured};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
@@ -50,6 +51,8 @@ pub(crate) enum Request {
     Pictures { view: usize },
     /// Decode a view's picture, small. Answered by `Thumbnail`.
     Thumbnail { view: usize },
+    /// Draw a figure of what was measured last, or write it as a table. Answered by `Figured`.
+    Figure { of: FigureOf, form: FigureForm },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
 }
@@ -66,6 +69,7 @@ pub(crate) enum Reply {
     Studied(Box<Study>),
     Pictures(PictureSet),
     Thumbnail(Thumbnail),
+    Figured(Figured),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
     /// The input is at fault; the worker goes on.
     Refused(Problem),

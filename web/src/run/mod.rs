@@ -2,6 +2,7 @@
 
 mod blob_reader;
 mod develop;
+mod figure;
 mod hand;
 mod lab;
 mod mesh;
@@ -13,6 +14,7 @@ mod report;
 mod study;
 pub(crate) mod worker;
 
+pub(crate) use figure::{FigureForm, FigureOf, Figured};
 pub(crate) use lab::{Lab, Progress};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{PictureSet, Thumbnail};

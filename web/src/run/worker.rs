@@ -94,6 +94,11 @@ impl Desk {
             Request::Thumbnail { view } => Ok(Reply::Thumbnail(thumbnail(
                 &self.archive()?.pictures(view)?.on,
             ))),
+            Request::Figure { of, form } => {
+                let result = self.result.as_ref().ok_or_else(out_of_order)?;
+                let study = self.study.as_ref().map(|(_, study)| study);
+                Ok(Reply::Figured(of.make(form, result, study)))
+            }
             Request::Write(format) => self.write(format),
         }
     }
