@@ -10,6 +10,7 @@ mod messages;
 mod packed;
 mod plan;
 mod problem;
+mod program;
 mod report;
 mod study;
 pub(crate) mod worker;
