@@ -18,7 +18,7 @@ type Chart<'a, 'b> = ChartContext<'a, Canvas<'b>, Cartesian2d<Scale, Scale>>;
 const LEFT: u32 = 64;
 const BOTTOM: u32 = 42;
 const TOP: u32 = 10;
-const RIGHT: u32 = 14;
+const RIGHT: u32 = 22;
 
 /// More dots are not told apart in a figure: of more, every so many-th is drawn. The table has all.
 pub(super) const MOST_DOTS: usize = 4000;

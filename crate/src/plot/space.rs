@@ -101,7 +101,11 @@ impl SpaceFigure {
         let name = |axis: &Axis, at: (f64, f64, f64), aside: [i32; 2], pos: Pos| {
             let (across, down) = drawing.map_coordinate(&at);
             let [right, lower] = aside.map(|px| px * UNITS as i32);
-            let at = (across + right, down + lower);
+            // Wholly within the drawing.
+            let (letters, _) = area.estimate_text_size(&axis.label(), &text)?;
+            let half = letters.div_ceil(2) as i32;
+            let last = (size[0] * UNITS) as i32 - half;
+            let at = ((across + right).clamp(half, last.max(half)), down + lower);
             area.draw(&Text::new(axis.label(), at, text.clone().pos(pos)))
         };
         let [x_axis, y_axis, z_axis] = &self.axes;

@@ -143,11 +143,14 @@ fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
             let of_view = marks
                 .iter()
                 .filter(|m| m.view.is_some() && m.view == chosen);
-            // Of a line's hundreds of points a few rings tell as much.
-            const MOST: usize = 60;
-            let ring =
-                |mark: &Mark| view! { <circle class="chosen" cx=mark.at[0] cy=mark.at[1] r="6" /> };
-            of_view.take(MOST).map(ring).collect_view()
+            // A line's hundreds of points are marked one beside the other.
+            const MANY: usize = 8;
+            let of_view: Vec<&Mark> = of_view.collect();
+            let radius = if of_view.len() > MANY { "2.5" } else { "6" };
+            let ring = |mark: &&Mark| {
+                view! { <circle class="chosen" cx=mark.at[0] cy=mark.at[1] r=radius /> }
+            };
+            of_view.iter().map(ring).collect_view()
         })
     };
     let pointer = move || {
