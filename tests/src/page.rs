@@ -301,7 +301,12 @@ impl Page<'_> {
 
     /// Turns the wheel over the middle of an element; positive scrolls down.
     pub fn wheel(&self, selector: &str, pixels: f64) -> Result<()> {
-        let point = self.area_at_rest(selector)?.point((0.5, 0.5));
+        self.wheel_at(selector, (0.5, 0.5), pixels)
+    }
+
+    /// Likewise, over a point given as shares of its size.
+    pub fn wheel_at(&self, selector: &str, at: (f64, f64), pixels: f64) -> Result<()> {
+        let point = self.area_at_rest(selector)?.point(at);
         let turn = json!({ "deltaX": 0, "deltaY": pixels });
         self.mouse("mouseWheel", point, turn)
     }
@@ -353,6 +358,23 @@ impl Page<'_> {
         self.call("DOM.setFileInputFiles", parameters)
             .with_context(|| format!("cannot choose {files:?} in `{selector}`"))
             .map(drop)
+    }
+
+    /// Chooses an entry of a `select` by its value.
+    pub fn choose_option(&self, selector: &str, value: &str) -> Result<()> {
+        self.wait_visible(selector)?;
+        let chosen = self.value_of(&format!(
+            "(() => {{
+                const list = {};
+                list.value = {};
+                list.dispatchEvent(new Event('change', {{ bubbles: true }}));
+                return list.value;
+            }})()",
+            query(selector),
+            quoted(value)
+        ))?;
+        ensure!(chosen == value, "`{selector}` has no entry {value:?}");
+        Ok(())
     }
 
     /// Drags files from outside over an element and drops them there.
@@ -412,6 +434,17 @@ impl Page<'_> {
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         self.call("Emulation.setDeviceMetricsOverride", size)?;
         self.wait_until("the new size", &format!("innerWidth === {width}"))
+    }
+
+    /// Holds back whatever is fetched from addresses of a pattern (`*`, `?`), until it is let through.
+    pub fn hold_back(&self, pattern: &str) -> Result<()> {
+        let patterns = json!({ "patterns": [{ "urlPattern": pattern }] });
+        self.call("Fetch.enable", patterns).map(drop)
+    }
+
+    /// Lets through what was held back.
+    pub fn let_through(&self) -> Result<()> {
+        self.call("Fetch.disable", json!({})).map(drop)
     }
 
     /// Says that the person prefers `light` or `dark` pages.

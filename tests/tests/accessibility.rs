@@ -1,0 +1,182 @@
+//! Every screen is examined by axe-core: wide and narrow, by day and by night, it finds no fault that is
+//! serious or critical.
+
+use std::{fs, path::PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use snellius_tests::{
+    PATIENCE, Page,
+    places::{axe, samples},
+    workbench::{RECONSTRUCTION, Workbench, part, with_workbench},
+};
+
+const SIZES: [(u32, u32); 2] = [(360, 740), (1440, 900)];
+
+fn sample(name: &str) -> Result<PathBuf> {
+    let found = samples()?.into_iter().find(|path| path.ends_with(name));
+    found.with_context(|| format!("no sample {name}"))
+}
+
+/// What axe-core says of the page as it is: the rule, the elements, the help.
+fn faults(page: &Page) -> Result<Vec<String>> {
+    page.value_of(&fs::read_to_string(axe()?)?)?;
+    let found = page.value_of(
+        "axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations
+            .filter(({ impact }) => ['serious', 'critical'].includes(impact))
+            .map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.slice(0, 5)
+                .map(({ target, failureSummary }) => target.join(' ') + ' (' + failureSummary + ')')}`))",
+    )?;
+    Ok(serde_json::from_value(found)?)
+}
+
+/// Examines a screen in every size and scheme.
+fn examine(page: &Page, screen: &str) -> Result<Vec<String>> {
+    let mut all = vec![];
+    for (width, height) in SIZES {
+        page.set_size(width, height)?;
+        for scheme in ["light", "dark"] {
+            page.prefer_scheme(scheme)?;
+            // Colours fade over.
+            std::thread::sleep(std::time::Duration::from_millis(300));
+            let here = format!("{screen}, {width} px, {scheme}");
+            all.extend(
+                faults(page)?
+                    .into_iter()
+                    .map(|fault| format!("{here}: {fault}")),
+            );
+        }
+    }
+    Ok(all)
+}
+
+fn clean(faults: &[String]) -> Result<()> {
+    ensure!(faults.is_empty(), "axe-core finds {faults:#?}");
+    Ok(())
+}
+
+#[test]
+fn axe_sees_faults() -> Result<()> {
+    with_workbench("axe-sees", |workbench| {
+        let page = workbench.page;
+        page.value_of(
+            "void document.querySelector('main').insertAdjacentHTML('beforeend',
+                '<img src=\"data:,\"><button></button>')",
+        )?;
+        let found = faults(page)?.join("\n");
+        ensure!(
+            found.contains("image-alt") && found.contains("button-name"),
+            "of a picture and a button without a name it says {found:?}"
+        );
+        Ok(())
+    })
+}
+
+#[test]
+fn the_start_the_run_and_a_refusal_have_no_fault() -> Result<()> {
+    with_workbench("axe-start", |workbench| {
+        let page = workbench.page;
+        page.wait_visible("[data-testid^=sample-]")?;
+        let mut found = examine(page, "start")?;
+        page.hold_back("*worker*.wasm")?;
+        workbench.choose(&sample("jar.zip")?)?;
+        workbench.wait_state("running", PATIENCE)?;
+        found.extend(examine(page, "running")?);
+        page.let_through()?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+
+        let directory = tempfile::tempdir()?;
+        let file = directory.path().join("notes.zip");
+        fs::write(&file, b"n1 sin t1 = n2 sin t2")?;
+        workbench.choose(&file)?;
+        workbench.wait_failed(PATIENCE)?;
+        found.extend(examine(page, "refusal")?);
+        clean(&found)
+    })
+}
+
+#[test]
+fn the_result_with_everything_open_has_no_fault() -> Result<()> {
+    with_workbench("axe-result", |workbench| {
+        let page = workbench.page;
+        workbench.reconstruct(&sample("jar.zip")?)?;
+        open_everything(page)?;
+        let mut found = vec![];
+        for subject in ["top-view", "birds-eye", "ray-distances", "wall", "index"] {
+            workbench.click(&format!("plot-{subject}"))?;
+            page.wait_visible(".plot-drawing svg")?;
+            found.extend(
+                faults(page)?
+                    .into_iter()
+                    .map(|fault| format!("{subject}: {fault}")),
+            );
+        }
+        page.choose_option(&part("measure"), "angle")?;
+        found.extend(examine(page, "result")?);
+        page.press("?")?;
+        page.wait_visible(&part("help"))?;
+        found.extend(examine(page, "keys")?);
+        clean(&found)
+    })
+}
+
+#[test]
+fn a_stage_that_fails_has_no_fault() -> Result<()> {
+    with_workbench("axe-stage", |workbench| {
+        let page = workbench.page;
+        workbench.reconstruct(&sample("tank-paper.zip")?)?;
+        open_everything(page)?;
+        fail_the_spots(workbench)?;
+        clean(&examine(page, "failed stage")?)
+    })
+}
+
+/// Asks for spots so bright that there are none.
+fn fail_the_spots(workbench: &Workbench) -> Result<()> {
+    let page = workbench.page;
+    let peak = part("spots.peak");
+    page.wait_visible(&peak)?;
+    page.value_of(&format!(
+        "(() => {{
+            const field = document.querySelector({});
+            field.value = field.max;
+            field.dispatchEvent(new Event('input', {{ bubbles: true }}));
+            field.dispatchEvent(new Event('change', {{ bubbles: true }}));
+        }})()",
+        Value::from(peak.as_str())
+    ))?;
+    page.wait_long(
+        RECONSTRUCTION,
+        "a stage to fail",
+        "document.querySelector('[data-testid=stage-problem]')?.checkVisibility()",
+    )
+}
+
+/// Opens whatever can be folded.
+fn open_everything(page: &Page) -> Result<()> {
+    page.value_of("document.querySelectorAll('details').forEach(part => part.open = true)")?;
+    page.wait_long(
+        RECONSTRUCTION,
+        "the table of methods",
+        "document.querySelector('[data-testid=index-methods]')?.checkVisibility()",
+    )
+}
+
+#[test]
+fn the_lab_has_no_fault() -> Result<()> {
+    with_workbench("axe-lab", |workbench| {
+        let page = workbench.page;
+        page.wait_visible(&part("open-lab"))?;
+        page.click(&part("open-lab"))?;
+        page.wait_visible(&part("lab"))?;
+        let mut found = vec![];
+        for tab in ["bench", "see", "index", "lessons"] {
+            page.click(&part(&format!("tab-{tab}")))?;
+            found.extend(examine(page, &format!("lab, {tab}"))?);
+        }
+        page.click(&part("lesson-1"))?;
+        page.wait_visible(&part("lesson"))?;
+        found.extend(examine(page, "lesson")?);
+        clean(&found)
+    })
+}
