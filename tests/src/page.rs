@@ -449,12 +449,30 @@ impl Page<'_> {
 
     /// Says that the person prefers `light` or `dark` pages.
     pub fn prefer_scheme(&self, scheme: &str) -> Result<()> {
-        let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.prefer(&[("prefers-color-scheme", scheme)])
+    }
+
+    /// Likewise, and that nothing shall move or fade.
+    pub fn prefer_scheme_at_rest(&self, scheme: &str) -> Result<()> {
+        self.prefer(&[
+            ("prefers-color-scheme", scheme),
+            ("prefers-reduced-motion", "reduce"),
+        ])
+    }
+
+    fn prefer(&self, wishes: &[(&str, &str)]) -> Result<()> {
+        let features = wishes.iter();
+        let features = features.map(|(name, value)| json!({ "name": name, "value": value }));
+        let features: Vec<Value> = features.collect();
         self.call(
             "Emulation.setEmulatedMedia",
             json!({ "features": features }),
-        )
-        .map(drop)
+        )?;
+        for (name, value) in wishes {
+            let applies = format!("matchMedia('({name}: {value})').matches");
+            self.wait_until(&format!("{name}: {value}"), &applies)?;
+        }
+        Ok(())
     }
 }
 

@@ -36,9 +36,7 @@ fn examine(page: &Page, screen: &str) -> Result<Vec<String>> {
     for (width, height) in SIZES {
         page.set_size(width, height)?;
         for scheme in ["light", "dark"] {
-            page.prefer_scheme(scheme)?;
-            // Colours fade over.
-            std::thread::sleep(std::time::Duration::from_millis(300));
+            page.prefer_scheme_at_rest(scheme)?;
             let here = format!("{screen}, {width} px, {scheme}");
             all.extend(
                 faults(page)?
@@ -100,6 +98,7 @@ fn the_result_with_everything_open_has_no_fault() -> Result<()> {
     with_workbench("axe-result", |workbench| {
         let page = workbench.page;
         workbench.reconstruct(&sample("jar.zip")?)?;
+        page.prefer_scheme_at_rest("light")?;
         open_everything(page)?;
         let mut found = vec![];
         for subject in ["top-view", "birds-eye", "ray-distances", "wall", "index"] {
@@ -131,11 +130,11 @@ fn a_stage_that_fails_has_no_fault() -> Result<()> {
     })
 }
 
-/// Asks for spots so bright that there are none.
+/// Asks for spots so large that there are none.
 fn fail_the_spots(workbench: &Workbench) -> Result<()> {
     let page = workbench.page;
-    let peak = part("spots.peak");
-    page.wait_visible(&peak)?;
+    let area = part("spots.smallest_area");
+    page.wait_visible(&area)?;
     page.value_of(&format!(
         "(() => {{
             const field = document.querySelector({});
@@ -143,7 +142,7 @@ fn fail_the_spots(workbench: &Workbench) -> Result<()> {
             field.dispatchEvent(new Event('input', {{ bubbles: true }}));
             field.dispatchEvent(new Event('change', {{ bubbles: true }}));
         }})()",
-        Value::from(peak.as_str())
+        Value::from(area.as_str())
     ))?;
     page.wait_long(
         RECONSTRUCTION,

@@ -144,6 +144,8 @@ fn a_section_shows_a_slab_and_ellipsoids_the_noise() -> Result<()> {
     with_workbench("scene-section", |workbench| {
         workbench.reconstruct(&jar()?)?;
         let page = workbench.page;
+        // All of the scene is in the window, wherever the focus goes.
+        page.set_size(1280, 1800)?;
         page.click(&format!("{} summary", part("scene-more")))?;
         let whole = seen(page)?;
         page.choose_option(&part("section"), "height")?;
