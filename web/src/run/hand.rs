@@ -8,12 +8,13 @@ use futures::channel::oneshot;
 use js_sys::Uint8Array;
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, ErrorEvent, MessageEvent, Url, Worker};
 
 use super::figure::{FigureForm, FigureOf, Figured};
-use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
+use super::messages::{
+    Answer, PictureSet, Question, READY, Reply, Request, Thumbnail, WrittenSpots,
+};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::program::Program;
@@ -91,7 +92,11 @@ impl Hand {
     }
 
     /// Has it find the spots of a view.
-    pub(crate) async fn observe(&self, view: usize, settings: Settings) -> Result<Spots, Problem> {
+    pub(crate) async fn observe(
+        &self,
+        view: usize,
+        settings: Settings,
+    ) -> Result<WrittenSpots, Problem> {
         match self.ask(Request::Observe { view, settings }).await? {
             Reply::Observed(spots) => Ok(spots),
             _ => Err(unexpected()),
@@ -99,7 +104,8 @@ impl Hand {
     }
 
     /// Gives it the spots of all views to keep.
-    pub(crate) async fn keep(&self, spots: Vec<Spots>) -> Result<(), Problem> {
+    pub(crate) async fn keep(&self, spots: &[WrittenSpots]) -> Result<(), Problem> {
+        let spots = spots.iter().collect();
         match self.ask(Request::Keep(spots)).await? {
             Reply::Kept => Ok(()),
             _ => Err(unexpected()),

@@ -8,12 +8,12 @@ use futures::future::try_join_all;
 use js_sys::Uint8Array;
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::{SpotSettings, Spots};
+use snellius::spots::SpotSettings;
 use web_sys::Blob;
 
 use super::figure::{FigureForm, FigureOf, Figured};
 use super::hand::Hand;
-use super::messages::{PictureSet, Thumbnail};
+use super::messages::{PictureSet, Thumbnail, WrittenSpots};
 use super::plan::Plan;
 use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
@@ -37,7 +37,7 @@ pub(crate) struct Lab {
     /// One a core, each with the archive open; they find spots and develop pictures.
     observers: RefCell<Vec<Rc<Hand>>>,
     /// The spots of all views, and the settings they were found with.
-    found: RefCell<Option<(SpotSettings, Rc<Vec<Spots>>)>>,
+    found: RefCell<Option<(SpotSettings, Rc<Vec<WrittenSpots>>)>>,
     /// Measures vessel and object. It is not here while it does.
     measurer: RefCell<Option<Measurer>>,
 }
@@ -171,7 +171,7 @@ impl Lab {
         &self,
         settings: Settings,
         tell: impl Fn(Progress),
-    ) -> Result<Rc<Vec<Spots>>, Problem> {
+    ) -> Result<Rc<Vec<WrittenSpots>>, Problem> {
         if let Some((with, spots)) = &*self.found.borrow()
             && *with == settings.spots
         {
@@ -207,7 +207,11 @@ impl Lab {
     }
 
     /// A worker that has these spots.
-    async fn measurer(&self, with: SpotSettings, spots: &[Spots]) -> Result<Measurer, Problem> {
+    async fn measurer(
+        &self,
+        with: SpotSettings,
+        spots: &[WrittenSpots],
+    ) -> Result<Measurer, Problem> {
         let at_hand = self.measurer.take();
         let mut measurer = match at_hand {
             Some(measurer) => measurer,
@@ -222,7 +226,7 @@ impl Lab {
             }
         };
         if measurer.spots != Some(with) {
-            measurer.hand.keep(spots.to_vec()).await?;
+            measurer.hand.keep(spots).await?;
             measurer.spots = Some(with);
         }
         Ok(measurer)
@@ -243,7 +247,7 @@ fn cores() -> usize {
 /// The views still to be looked at, from which every hand takes the next when it is free.
 struct WorkList<T> {
     next: Cell<usize>,
-    found: RefCell<Vec<Option<Spots>>>,
+    found: RefCell<Vec<Option<WrittenSpots>>>,
     /// The first view that cannot be used, and why.
     failed: RefCell<Option<(usize, Problem)>>,
     done: Cell<usize>,
@@ -282,7 +286,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         is_left.then_some(view)
     }
 
-    fn put(&self, view: usize, spots: Spots) {
+    fn put(&self, view: usize, spots: WrittenSpots) {
         self.found.borrow_mut()[view] = Some(spots);
         self.done.set(self.done.get() + 1);
         self.report();
@@ -305,7 +309,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         });
     }
 
-    fn spots(self) -> Result<Vec<Spots>, Problem> {
+    fn spots(self) -> Result<Vec<WrittenSpots>, Problem> {
         match self.failed.into_inner() {
             Some((_, problem)) => Err(problem),
             None => Ok(self.found.into_inner().into_iter().flatten().collect()),
