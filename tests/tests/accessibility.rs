@@ -179,3 +179,67 @@ fn the_lab_has_no_fault() -> Result<()> {
         clean(&found)
     })
 }
+
+/// Goes once round the page by Tab, and gives the elements that do not show that they have the focus.
+fn silent_stops(page: &Page) -> Result<Vec<String>> {
+    const MOST: usize = 250;
+    let mut silent = vec![];
+    let mut stops = 0;
+    for _ in 0..MOST {
+        page.press("Tab")?;
+        let stop = page.value_of(
+            "(() => {
+                const element = document.activeElement;
+                if (!element || element === document.body) return null;
+                if (element.stopped) return 'again';
+                element.stopped = true;
+                const style = getComputedStyle(element);
+                const shows = style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) >= 1;
+                return shows ? 'shown' : element.outerHTML.slice(0, 120);
+            })()",
+        )?;
+        match stop.as_str() {
+            None => {}
+            Some("again") => break,
+            Some("shown") => stops += 1,
+            Some(element) => silent.push(element.to_owned()),
+        }
+    }
+    ensure!(stops > 5, "Tab stops at {stops} elements");
+    Ok(silent)
+}
+
+#[test]
+fn whatever_has_the_focus_shows_it() -> Result<()> {
+    with_workbench("focus-shown", |workbench| {
+        let page = workbench.page;
+        page.wait_visible("[data-testid^=sample-]")?;
+        let at_start = silent_stops(page)?;
+        ensure!(at_start.is_empty(), "no focus is seen on {at_start:#?}");
+        workbench.reconstruct(&sample("jar.zip")?)?;
+        page.value_of("document.querySelectorAll('details').forEach(part => part.open = true)")?;
+        let in_result = silent_stops(page)?;
+        ensure!(in_result.is_empty(), "no focus is seen on {in_result:#?}");
+        Ok(())
+    })
+}
+
+#[test]
+fn nothing_moves_for_those_who_do_not_wish_it() -> Result<()> {
+    with_workbench("no-motion", |workbench| {
+        let page = workbench.page;
+        page.prefer_scheme_at_rest("light")?;
+        workbench.reconstruct(&sample("jar.zip")?)?;
+        let moving = page.value_of(
+            "[...document.querySelectorAll('*')].filter(element => {
+                const style = getComputedStyle(element);
+                const lasts = times => times.split(',').some(time => parseFloat(time) > 0);
+                return lasts(style.transitionDuration)
+                    || (style.animationName !== 'none' && lasts(style.animationDuration));
+            }).map(element => element.outerHTML.slice(0, 120))",
+        )?;
+        let moving: Vec<String> = serde_json::from_value(moving)?;
+        ensure!(moving.is_empty(), "these move: {moving:#?}");
+        Ok(())
+    })
+}
