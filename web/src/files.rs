@@ -88,6 +88,11 @@ pub(crate) fn save_blob(blob: &Blob, name: &str) -> Result<(), JsValue> {
     Ok(())
 }
 
+/// Saves a text likewise.
+pub(crate) fn save_text(text: &str, name: &str, kind: &str) -> Result<(), JsValue> {
+    save(&Uint8Array::from(text.as_bytes()), name, kind)
+}
+
 /// The browser needs the address until it has begun to save.
 fn revoke_later(address: String) {
     const MILLISECONDS: i32 = 60_000;

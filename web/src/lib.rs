@@ -8,6 +8,7 @@
 #![allow(unreachable_pub)]
 
 mod app;
+mod clipboard;
 mod colours;
 mod files;
 mod history;
@@ -16,6 +17,8 @@ mod legend;
 mod measuring;
 mod number;
 mod pictures;
+mod plots;
+mod problem_note;
 mod progress;
 mod result;
 mod run;

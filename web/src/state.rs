@@ -15,7 +15,8 @@ use web_sys::Blob;
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
+    Facts, FigureForm, FigureOf, Figured, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind,
+    Progress, Study, Thumbnail, sleep,
 };
 use crate::sessions::{Found, HowFar, Keeping, Record, Session};
 
@@ -56,6 +57,35 @@ pub(crate) enum Look {
     Above,
 }
 
+/// Only a slab of the scene is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Section {
+    /// Across what; nothing, and everything is shown.
+    pub(crate) axis: Option<SectionAxis>,
+    /// Where its middle is, from the first point (0) to the last (1).
+    pub(crate) middle: f32,
+    /// How thick it is, as a part of the whole.
+    pub(crate) thickness: f32,
+}
+
+/// What a section goes across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SectionAxis {
+    Depth,
+    Height,
+    Width,
+}
+
+impl Default for Section {
+    fn default() -> Self {
+        Self {
+            axis: None,
+            middle: 0.5,
+            thickness: 0.25,
+        }
+    }
+}
+
 /// What the scene is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SceneCommand {
@@ -65,6 +95,8 @@ pub(crate) enum SceneCommand {
     FitAll,
     /// Turn the camera.
     Look(Look),
+    /// Save what is seen, without a ground if it shall be transparent.
+    Picture { transparent: bool },
 }
 
 /// Changed settings that are being measured.
@@ -112,6 +144,10 @@ pub(crate) struct Workbench {
     pub(crate) shown_range: RwSignal<[f32; 2]>,
     /// The object is shown where it is (1), where it would be without refraction (0), or between.
     pub(crate) refraction: RwSignal<f32>,
+    /// Which slab of the scene is shown.
+    pub(crate) section: RwSignal<Section>,
+    /// Error ellipsoids are drawn so many times as large as they are; none, and there are none.
+    pub(crate) ellipsoids: RwSignal<Option<f32>>,
     /// The scene without perspective.
     pub(crate) orthographic: RwSignal<bool>,
     /// What the scene was told last.
@@ -154,6 +190,8 @@ impl Workbench {
             measuring: RwSignal::new(Measuring::default()),
             shown_range: RwSignal::new([0.0, 1.0]),
             refraction: RwSignal::new(1.0),
+            section: RwSignal::new(Section::default()),
+            ellipsoids: RwSignal::new(None),
             orthographic: RwSignal::new(false),
             command: RwSignal::new(None),
             help: RwSignal::new(false),
@@ -598,13 +636,27 @@ impl Workbench {
 
     /// Writes a file of what is shown. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
+        self.at_rest().await;
+        let lab = self.lab.get_value();
+        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
+        lab.write(format, &self.shown.get_value()).await
+    }
+
+    /// Draws a figure of what is shown, or writes it as a table. Settings that were changed just now are
+    /// measured first.
+    pub(crate) async fn figure(self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        self.at_rest().await;
+        let lab = self.lab.get_value();
+        let lab = lab.ok_or_else(|| Problem::own("There is no result to plot."))?;
+        lab.figure((of, form), &self.shown.get_value()).await
+    }
+
+    /// Waits until what is set is measured.
+    async fn at_rest(self) {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
             sleep(LOOK).await;
         }
-        let lab = self.lab.get_value();
-        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
-        lab.write(format, &self.shown.get_value()).await
     }
 
     /// What is to be kept of what is being opened.

@@ -8,11 +8,13 @@ use futures::channel::oneshot;
 use js_sys::Uint8Array;
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, ErrorEvent, MessageEvent, Url, Worker};
 
-use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
+use super::figure::{FigureForm, FigureOf, Figured};
+use super::messages::{
+    Answer, PictureSet, Question, READY, Reply, Request, Thumbnail, WrittenSpots,
+};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::program::Program;
@@ -90,7 +92,11 @@ impl Hand {
     }
 
     /// Has it find the spots of a view.
-    pub(crate) async fn observe(&self, view: usize, settings: Settings) -> Result<Spots, Problem> {
+    pub(crate) async fn observe(
+        &self,
+        view: usize,
+        settings: Settings,
+    ) -> Result<WrittenSpots, Problem> {
         match self.ask(Request::Observe { view, settings }).await? {
             Reply::Observed(spots) => Ok(spots),
             _ => Err(unexpected()),
@@ -98,7 +104,8 @@ impl Hand {
     }
 
     /// Gives it the spots of all views to keep.
-    pub(crate) async fn keep(&self, spots: Vec<Spots>) -> Result<(), Problem> {
+    pub(crate) async fn keep(&self, spots: &[WrittenSpots]) -> Result<(), Problem> {
+        let spots = spots.iter().collect();
         match self.ask(Request::Keep(spots)).await? {
             Reply::Kept => Ok(()),
             _ => Err(unexpected()),
@@ -133,6 +140,14 @@ impl Hand {
     pub(crate) async fn thumbnail(&self, view: usize) -> Result<Thumbnail, Problem> {
         match self.ask(Request::Thumbnail { view }).await? {
             Reply::Thumbnail(thumbnail) => Ok(thumbnail),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it draw a figure, or write it as a table.
+    pub(crate) async fn figure(&self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        match self.ask(Request::Figure { of, form }).await? {
+            Reply::Figured(figured) => Ok(figured),
             _ => Err(unexpected()),
         }
     }

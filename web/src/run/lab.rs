@@ -9,11 +9,12 @@ use futures::future::try_join_all;
 use js_sys::{Array, Uint8Array};
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::{SpotSettings, Spots};
+use snellius::spots::SpotSettings;
 use web_sys::Blob;
 
+use super::figure::{FigureForm, FigureOf, Figured};
 use super::hand::Hand;
-use super::messages::{PictureSet, Thumbnail};
+use super::messages::{PictureSet, Thumbnail, WrittenSpots};
 use super::plan::Plan;
 use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
@@ -39,9 +40,9 @@ pub(crate) struct Lab {
     /// One a core, each with the archive open; they find spots and develop pictures.
     observers: RefCell<Vec<Rc<Hand>>>,
     /// The spots of all views, and the settings they were found with.
-    found: RefCell<Option<(SpotSettings, Rc<Vec<Spots>>)>>,
-    /// Spots of single views, and how they were looked for: those of a search that is not at its end.
-    partly: RefCell<(SpotSettings, BTreeMap<usize, Spots>)>,
+    found: RefCell<Option<(SpotSettings, Rc<Vec<WrittenSpots>>)>>,
+    /// WrittenSpots of single views, and how they were looked for: those of a search that is not at its end.
+    partly: RefCell<(SpotSettings, BTreeMap<usize, WrittenSpots>)>,
     /// The views in it that were found since somebody asked.
     news: RefCell<Vec<usize>>,
     /// Measures vessel and object. It is not here while it does.
@@ -81,14 +82,14 @@ impl Lab {
     }
 
     /// Takes over spots that were found another time.
-    pub(crate) fn remember(&self, settings: SpotSettings, spots: Vec<(usize, Spots)>) {
+    pub(crate) fn remember(&self, settings: SpotSettings, spots: Vec<(usize, WrittenSpots)>) {
         let views = self.facts.stations.len();
         let spots = spots.into_iter().filter(|(view, _)| *view < views);
         self.partly.replace((settings, spots.collect()));
     }
 
     /// The spots that were found since this was asked last, if any.
-    pub(crate) fn news(&self) -> Option<(SpotSettings, Vec<(usize, Spots)>)> {
+    pub(crate) fn news(&self) -> Option<(SpotSettings, Vec<(usize, WrittenSpots)>)> {
         let (partly, found) = (self.partly.borrow(), self.found.borrow());
         let (with, partly) = &*partly;
         let of = |view: usize| {
@@ -100,7 +101,7 @@ impl Lab {
         (!news.is_empty()).then_some((*with, news))
     }
 
-    fn note(&self, view: usize, spots: &Spots) {
+    fn note(&self, view: usize, spots: &WrittenSpots) {
         self.partly.borrow_mut().1.insert(view, spots.clone());
         self.news.borrow_mut().push(view);
     }
@@ -161,16 +162,42 @@ impl Lab {
         self.observer(view).await?.thumbnail(view).await
     }
 
+    /// Draws a figure of what a plan gives, or writes it as a table.
+    pub(crate) async fn figure(
+        &self,
+        (of, form): (FigureOf, FigureForm),
+        plan: &Plan,
+    ) -> Result<Figured, Problem> {
+        let measurer = self.measurer_with(plan).await?;
+        let figured = measurer.hand.figure(of, form).await;
+        self.measurer.replace(Some(measurer));
+        figured
+    }
+
     /// Writes a file of what a plan gives.
     pub(crate) async fn write(&self, format: Format, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let measurer = self.measurer_with(plan).await?;
+        let written = measurer.hand.write(format).await;
+        self.measurer.replace(Some(measurer));
+        written
+    }
+
+    /// The measurer, with the result of a plan on its desk.
+    async fn measurer_with(&self, plan: &Plan) -> Result<Measurer, Problem> {
+        // Whoever has it, for a figure or a study, brings it back soon; after a fault nobody does.
+        const LOOK: i32 = 20;
+        const MOST_LOOKS: usize = 1500;
+        for _ in 0..MOST_LOOKS {
+            if self.measurer.borrow().is_some() {
+                break;
+            }
+            super::sleep(LOOK).await;
+        }
         let is_measured = |measurer: &Measurer| measurer.measured.as_ref() == Some(plan);
         if !self.measurer.borrow().as_ref().is_some_and(is_measured) {
             self.measure(plan, |_| {}).await?;
         }
-        let measurer = self.measurer.take().ok_or_else(busy)?;
-        let written = measurer.hand.write(format).await;
-        self.measurer.replace(Some(measurer));
-        written
+        self.measurer.take().ok_or_else(busy)
     }
 
     /// The spots of all views, found now if they are not at hand.
@@ -178,7 +205,7 @@ impl Lab {
         &self,
         settings: Settings,
         tell: impl Fn(Progress),
-    ) -> Result<Rc<Vec<Spots>>, Problem> {
+    ) -> Result<Rc<Vec<WrittenSpots>>, Problem> {
         if let Some((with, spots)) = &*self.found.borrow()
             && *with == settings.spots
         {
@@ -195,7 +222,7 @@ impl Lab {
             let list = &list;
             async move {
                 let hand = self.observer(number).await?;
-                let note = |view, spots: &Spots| self.note(view, spots);
+                let note = |view, spots: &WrittenSpots| self.note(view, spots);
                 list.work_off(&hand, settings, note).await;
                 Ok::<_, Problem>(())
             }
@@ -221,7 +248,11 @@ impl Lab {
     }
 
     /// A worker that has these spots.
-    async fn measurer(&self, with: SpotSettings, spots: &[Spots]) -> Result<Measurer, Problem> {
+    async fn measurer(
+        &self,
+        with: SpotSettings,
+        spots: &[WrittenSpots],
+    ) -> Result<Measurer, Problem> {
         let at_hand = self.measurer.take();
         let mut measurer = match at_hand {
             Some(measurer) => measurer,
@@ -236,7 +267,7 @@ impl Lab {
             }
         };
         if measurer.spots != Some(with) {
-            measurer.hand.keep(spots.to_vec()).await?;
+            measurer.hand.keep(spots).await?;
             measurer.spots = Some(with);
         }
         Ok(measurer)
@@ -269,7 +300,7 @@ fn cores() -> usize {
 /// The views still to be looked at, from which every hand takes the next when it is free.
 struct WorkList<T> {
     open: RefCell<VecDeque<usize>>,
-    found: RefCell<Vec<Option<Spots>>>,
+    found: RefCell<Vec<Option<WrittenSpots>>>,
     /// The first view that cannot be used, and why.
     failed: RefCell<Option<(usize, Problem)>>,
     done: Cell<usize>,
@@ -279,7 +310,7 @@ struct WorkList<T> {
 }
 
 impl<T: Fn(Progress)> WorkList<T> {
-    fn new(views: usize, at_hand: BTreeMap<usize, Spots>, tell: T) -> Self {
+    fn new(views: usize, at_hand: BTreeMap<usize, WrittenSpots>, tell: T) -> Self {
         let done = at_hand.len();
         let mut found = vec![None; views];
         for (view, spots) in at_hand {
@@ -299,7 +330,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         list
     }
 
-    async fn work_off(&self, hand: &Hand, settings: Settings, note: impl Fn(usize, &Spots)) {
+    async fn work_off(&self, hand: &Hand, settings: Settings, note: impl Fn(usize, &WrittenSpots)) {
         while let Some(view) = self.take() {
             match hand.observe(view, settings).await {
                 Ok(spots) => {
@@ -317,7 +348,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         view.filter(|_| self.failed.borrow().is_none())
     }
 
-    fn put(&self, view: usize, spots: Spots) {
+    fn put(&self, view: usize, spots: WrittenSpots) {
         self.found.borrow_mut()[view] = Some(spots);
         self.done.set(self.done.get() + 1);
         self.report();
@@ -341,7 +372,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         });
     }
 
-    fn spots(self) -> Result<Vec<Spots>, Problem> {
+    fn spots(self) -> Result<Vec<WrittenSpots>, Problem> {
         match self.failed.into_inner() {
             Some((_, problem)) => Err(problem),
             None => Ok(self.found.into_inner().into_iter().flatten().collect()),

@@ -79,10 +79,12 @@ impl Desk {
         match request {
             Request::Open(file) => self.open(file),
             Request::Observe { view, settings } => {
-                Ok(Reply::Observed(observe(self.archive()?, view, &settings)?))
+                let spots = observe(self.archive()?, view, &settings)?;
+                let written = serde_json::to_vec(&spots).map_err(unreadable)?;
+                Ok(Reply::Observed(Uint8Array::from(written.as_slice())))
             }
             Request::Keep(spots) => {
-                self.spots = spots;
+                self.spots = read(&spots)?;
                 self.study = None;
                 Ok(Reply::Kept)
             }
@@ -94,6 +96,11 @@ impl Desk {
             Request::Thumbnail { view } => Ok(Reply::Thumbnail(thumbnail(
                 &self.archive()?.pictures(view)?.on,
             ))),
+            Request::Figure { of, form } => {
+                let result = self.result.as_ref().ok_or_else(out_of_order)?;
+                let study = self.study.as_ref().map(|(_, study)| study);
+                Ok(Reply::Figured(of.make(form, result, study)))
+            }
             Request::Write(format) => self.write(format),
             Request::Note(note) => self.note(&note),
         }
@@ -158,6 +165,20 @@ impl Desk {
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {
         self.archive.as_mut().ok_or_else(out_of_order)
     }
+}
+
+/// The spots that another worker has written.
+fn read(written: &Array) -> Result<Vec<Spots>, Problem> {
+    let views = written.iter();
+    let read = |view: JsValue| {
+        let bytes = view.unchecked_into::<Uint8Array>().to_vec();
+        serde_json::from_slice(&bytes).map_err(unreadable)
+    };
+    views.map(read).collect()
+}
+
+fn unreadable(error: serde_json::Error) -> Problem {
+    Problem::own(format!("A worker does not read spots: {error}."))
 }
 
 fn out_of_order() -> Problem {

@@ -1,5 +1,6 @@
 //! Folders and files of the browser's own file system (OPFS), which belongs to this page alone.
 
+use js_sys::Uint8Array;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{
@@ -56,6 +57,12 @@ impl Folder {
     pub(super) async fn text(&self, name: &str) -> Result<String, JsValue> {
         let text = JsFuture::from(self.file(name).await?.text()).await?;
         text.as_string().ok_or_else(|| "no text".into())
+    }
+
+    /// A file's bytes.
+    pub(super) async fn bytes(&self, name: &str) -> Result<Uint8Array, JsValue> {
+        let bytes = JsFuture::from(self.file(name).await?.array_buffer()).await?;
+        Ok(Uint8Array::new(&bytes))
     }
 
     /// Writes a file. Until it is whole, what was there before stays.

@@ -1,12 +1,14 @@
 //! What is written down of a session.
 
+use js_sys::Array;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use snellius::spots::{SpotSettings, Spots};
+use snellius::spots::SpotSettings;
 use wasm_bindgen::JsValue;
+use web_sys::Blob;
 
 use crate::history::History;
-use crate::run::Plan;
+use crate::run::{Plan, WrittenSpots, build};
 
 /// The form of what is written down; raised when older pages could not read it.
 const VERSION: u32 = 1;
@@ -77,21 +79,57 @@ impl Record {
 }
 
 /// Spots that were found, so that nobody has to look for them again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Found {
     /// How they were looked for.
     pub(crate) settings: SpotSettings,
     /// With the number of their view.
-    pub(crate) spots: Vec<(usize, Spots)>,
+    pub(crate) spots: Vec<(usize, WrittenSpots)>,
+}
+
+/// What stands before the spots in a file: a line of its own.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    /// The build whose spots they are: another may write them otherwise, or find others.
+    build: String,
+    settings: SpotSettings,
+    /// Each view's number, and how many bytes it has.
+    views: Vec<(usize, u32)>,
 }
 
 impl Found {
-    pub(super) fn to_text(&self) -> Option<String> {
-        to_json(self)
+    /// As a file.
+    pub(super) fn to_blob(&self) -> Option<Blob> {
+        let of = |(view, spots): &(usize, WrittenSpots)| (*view, spots.length());
+        let head = Head {
+            build: build(),
+            settings: self.settings,
+            views: self.spots.iter().map(of).collect(),
+        };
+        let head = JsValue::from(to_json(&head)? + "\n");
+        let spots = self.spots.iter().map(|(_, spots)| spots.clone().into());
+        let parts: Array = std::iter::once(head).chain(spots).collect();
+        Blob::new_with_blob_sequence(&parts).ok()
     }
 
-    pub(super) fn from_text(text: &str) -> Option<Self> {
-        from_json(text)
+    /// Of a file; `None` if it was not written to its end, or by another build of the page.
+    pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let line = bytes.iter().position(|byte| *byte == b'\n')?;
+        let head: Head = from_json(std::str::from_utf8(&bytes[..line]).ok()?)?;
+        if head.build != build() {
+            return None;
+        }
+        let mut rest = &bytes[line + 1..];
+        let mut spots = Vec::with_capacity(head.views.len());
+        for (view, length) in head.views {
+            let (of_view, others) = rest.split_at_checked(length as usize)?;
+            spots.push((view, WrittenSpots::from(of_view)));
+            rest = others;
+        }
+        Some(Self {
+            settings: head.settings,
+            spots,
+        })
     }
 }
 

@@ -2,9 +2,8 @@
 
 use std::cell::Cell;
 
-use js_sys::{Array, Uint8Array, Uint8ClampedArray};
+use js_sys::{Array, Uint8ClampedArray};
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, File};
 
 use super::folder::Folder;
@@ -71,12 +70,10 @@ impl Session {
 
     /// Keeps spots that were found; a file each time, for a file that grows would be copied each time.
     pub(crate) async fn keep_found(&self, found: &Found) -> Result<(), JsValue> {
-        let text = found.to_text().ok_or("they cannot be written down")?;
+        let file = found.to_blob().ok_or("they cannot be written down")?;
         let part = self.parts.get();
         self.parts.set(part + 1);
-        self.folder
-            .write_text(&format!("{FOUND}{part:06}.json"), &text)
-            .await
+        self.folder.write(&format!("{FOUND}{part:06}"), &file).await
     }
 
     /// All spots that were kept.
@@ -84,9 +81,9 @@ impl Session {
         let mut found = Vec::new();
         for name in self.folder.names().await.unwrap_or_default() {
             if name.starts_with(FOUND)
-                && let Ok(text) = self.folder.text(&name).await
+                && let Ok(bytes) = self.folder.bytes(&name).await
             {
-                found.extend(Found::from_text(&text));
+                found.extend(Found::from_bytes(&bytes.to_vec()));
             }
         }
         found
@@ -99,9 +96,8 @@ impl Session {
 
     /// The picture that stands for it, of that width and height.
     pub(crate) async fn picture(&self, [width, height]: [u32; 2]) -> Option<Thumbnail> {
-        let file = self.folder.file(PICTURE).await.ok()?;
-        let bytes = JsFuture::from(file.array_buffer()).await.ok()?;
-        let pixels = Uint8ClampedArray::new(&Uint8Array::new(&bytes).buffer());
+        let bytes = self.folder.bytes(PICTURE).await.ok()?;
+        let pixels = Uint8ClampedArray::new(&bytes.buffer());
         (pixels.length() == 4 * width * height).then_some(Thumbnail {
             width,
             height,
