@@ -19,6 +19,7 @@ mod progress;
 mod result;
 mod run;
 mod scene;
+mod share;
 mod shortcuts;
 mod stages;
 mod start;

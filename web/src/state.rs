@@ -9,14 +9,18 @@ use js_sys::Uint8Array;
 use leptos::prelude::*;
 use snellius::export::{Format, SpotRole};
 use snellius::pipeline::{Correction, Settings, Stage};
+use snellius::share::Document;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
+    self, Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail,
+    sleep,
 };
+
+use crate::share::Guest;
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +89,8 @@ pub(crate) struct Workbench {
     pub(crate) problem: RwSignal<Option<Problem>>,
     /// The scan that is shown.
     pub(crate) facts: RwSignal<Option<Arc<Facts>>>,
+    /// What is shown, if it came without its archive.
+    pub(crate) guest: RwSignal<Option<Guest>>,
     /// What it gave last; nothing yet if something is wanted first.
     pub(crate) outcome: RwSignal<Option<Arc<Outcome>>>,
     /// Why the settings give nothing; the outcome is then that of earlier ones.
@@ -136,6 +142,7 @@ impl Workbench {
             file_name: RwSignal::new(String::new()),
             problem: RwSignal::new(None),
             facts: RwSignal::new(None),
+            guest: RwSignal::new(None),
             outcome: RwSignal::new(None),
             stage_problem: RwSignal::new(None),
             study: RwSignal::new(None),
@@ -250,6 +257,47 @@ impl Workbench {
         });
     }
 
+    /// Shows a reconstruction that came without its archive.
+    pub(crate) fn receive(self, guest: Guest) {
+        self.cancel();
+        match run::guest(&guest.document) {
+            Ok((facts, outcome)) => {
+                let plan = Plan {
+                    settings: guest.document.settings,
+                    ..Plan::default()
+                };
+                self.clear(facts, plan.clone());
+                self.lab.set_value(None);
+                self.guest.set(Some(guest));
+                self.take(plan, Ok(outcome));
+            }
+            Err(problem) => self.fail(problem),
+        }
+    }
+
+    /// Waits for a file from elsewhere, saying so meanwhile, and hands it on. What is shown stays until then.
+    pub(crate) fn fetch(
+        self,
+        saying: String,
+        file: impl Future<Output = Result<Blob, Problem>> + 'static,
+        then: impl FnOnce(Blob) + 'static,
+    ) {
+        self.cancel();
+        self.problem.set(None);
+        self.file_name.set(saying);
+        self.progress.set(Some(Progress::default()));
+        let (fetching, handle) = abortable(file);
+        self.cancel.set_value(Some(handle));
+        spawn_local(async move {
+            match fetching.await {
+                Ok(Ok(file)) => then(file),
+                Ok(Err(problem)) => self.fail(problem),
+                // Whoever cancelled has put the page in order.
+                Err(Aborted) => {}
+            }
+        });
+    }
+
     /// Gives up the run under way.
     pub(crate) fn cancel(self) {
         if let Some(handle) = self.cancel.try_update_value(Option::take).flatten() {
@@ -283,13 +331,26 @@ impl Workbench {
         {
             return self.fail(problem.clone());
         }
-        self.facts.set(Some(Arc::new(lab.facts().clone())));
+        self.clear(lab.facts().clone(), Plan::default());
+        self.guest.set(None);
         self.lab.set_value(Some(Rc::new(lab)));
-        self.settings.set(Settings::default());
+        if let Err(problem) = &outcome
+            && problem.kind != ProblemKind::IndexWanted
+        {
+            self.problem.set(Some(problem.clone()));
+        }
+        self.take(Plan::default(), outcome);
+    }
+
+    /// Makes room for another scan.
+    fn clear(self, facts: Facts, plan: Plan) {
+        self.problem.set(None);
+        self.facts.set(Some(Arc::new(facts)));
+        self.settings.set(plan.settings);
         self.corrections.set(Vec::new());
         self.history.set(History::default());
         self.measuring.set(Measuring::default());
-        self.measured.set_value(Plan::default());
+        self.measured.set_value(plan);
         self.stage_problem.set(None);
         self.study.set(None);
         self.studied.set_value(None);
@@ -298,12 +359,6 @@ impl Workbench {
         self.outcome.set(None);
         self.at_start.set(false);
         self.progress.set(None);
-        if let Err(problem) = &outcome
-            && problem.kind != ProblemKind::IndexWanted
-        {
-            self.problem.set(Some(problem.clone()));
-        }
-        self.take(Plan::default(), outcome);
     }
 
     /// The view in the middle of the scan that has an object point: there is something to see at once.
@@ -543,13 +598,42 @@ impl Workbench {
 
     /// Writes a file of what is shown. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
+        if let Some(guest) = self.guest.get_untracked() {
+            let bytes = guest.document.result.write(format)?;
+            return Ok(Uint8Array::from(bytes.as_slice()));
+        }
+        self.settled_lab()
+            .await?
+            .write(format, &self.shown.get_value())
+            .await
+    }
+
+    /// What a one-file page of what is shown carries.
+    pub(crate) async fn document(self) -> Result<Document, Problem> {
+        if let Some(guest) = self.guest.get_untracked() {
+            return Ok((*guest.document).clone());
+        }
+        let json = self
+            .settled_lab()
+            .await?
+            .document(&self.shown.get_value())
+            .await?;
+        Document::from_json(&json.to_vec()).map_err(|e| Problem::own(e.to_string()))
+    }
+
+    /// How what is shown was measured.
+    pub(crate) fn shown_settings(self) -> Settings {
+        self.shown.with_value(|plan| plan.settings)
+    }
+
+    /// The lab once it is at rest.
+    async fn settled_lab(self) -> Result<Rc<Lab>, Problem> {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
             sleep(LOOK).await;
         }
         let lab = self.lab.get_value();
-        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
-        lab.write(format, &self.shown.get_value()).await
+        lab.ok_or_else(|| Problem::own("There is no result to save."))
     }
 
     fn is_current(self, lab: &Rc<Lab>) -> bool {

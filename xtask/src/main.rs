@@ -11,6 +11,7 @@
 //! | `dist.rs` | what is published, with every address relative |
 //! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
 //! | `page.rs` | the page through Trunk |
+//! | `viewer.rs` | what one-file pages are made of |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
 #![allow(
@@ -34,6 +35,7 @@ mod setup;
 mod test;
 mod tools;
 mod typescript;
+mod viewer;
 
 use std::process::ExitCode;
 
@@ -46,6 +48,7 @@ cargo xtask COMMAND
   serve [--port N] [--release | --debug]   build the page, serve it, print its address
   test [--only STEP]... [-- ARGUMENTS]     every check, in order; ARGUMENTS go to the tests of a single STEP
   dist                                     the page as static files in dist/, for any folder of any host
+  viewer                                   the viewer of one-file pages, in target/viewer/viewer.html
   npm                                      the core as an npm package in target/npm/snellius
   bench [-- ARGUMENTS]                     the core's benchmarks
   setup                                    only install what the others need
@@ -80,6 +83,11 @@ fn run() -> Result<()> {
         "npm" => {
             no_more(arguments)?;
             npm::build()
+        }
+        "viewer" => {
+            no_more(arguments)?;
+            setup::wasm_target()?;
+            viewer::build(&tools::wasm_bindgen_program()?)
         }
         "bench" => bench::run(arguments),
         "setup" => {

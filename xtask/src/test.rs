@@ -18,7 +18,7 @@ use crate::{
     },
     python,
     setup::{self, WASM},
-    tools,
+    tools, viewer,
 };
 
 /// One check. They run in the order of this list: what is quick to fail comes first.
@@ -206,7 +206,7 @@ fn exports(rest: &[OsString]) -> Result<Count> {
     run_tests(&mut tests)
 }
 
-/// Builds the companion program.
+/// Builds the companion program, with the viewer beside it.
 fn companion() -> Result<PathBuf> {
     run_to_end(&mut cargo([
         "build",
@@ -221,6 +221,13 @@ fn companion() -> Result<PathBuf> {
         "no companion program at {}",
         companion.display()
     );
+    if !viewer::viewer().is_file() {
+        setup::wasm_target()?;
+        viewer::build(&tools::wasm_bindgen_program()?)?;
+    }
+    let beside = companion.with_file_name("viewer.html");
+    fs::copy(viewer::viewer(), &beside)
+        .with_context(|| format!("cannot write {}", beside.display()))?;
     Ok(companion)
 }
 

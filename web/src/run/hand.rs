@@ -145,6 +145,14 @@ impl Hand {
         }
     }
 
+    /// Has it write the document that a one-file page carries.
+    pub(crate) async fn document(&self, settings: Settings) -> Result<Uint8Array, Problem> {
+        match self.ask(Request::Document(settings)).await? {
+            Reply::Written(bytes) => Ok(bytes),
+            _ => Err(unexpected()),
+        }
+    }
+
     async fn ask(&self, request: Request) -> Answered {
         let number = self.last_number.get() + 1;
         self.last_number.set(number);

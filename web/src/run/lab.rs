@@ -129,14 +129,30 @@ impl Lab {
 
     /// Writes a file of what a plan gives.
     pub(crate) async fn write(&self, format: Format, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.write(format).await;
+        self.of_measured(plan, write).await
+    }
+
+    /// Writes the document of what a plan gives, which a one-file page carries.
+    pub(crate) async fn document(&self, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.document(plan.settings).await;
+        self.of_measured(plan, write).await
+    }
+
+    /// Asks the measurer about what a plan gives.
+    async fn of_measured<T>(
+        &self,
+        plan: &Plan,
+        ask: impl AsyncFnOnce(&Hand) -> Result<T, Problem>,
+    ) -> Result<T, Problem> {
         let is_measured = |measurer: &Measurer| measurer.measured.as_ref() == Some(plan);
         if !self.measurer.borrow().as_ref().is_some_and(is_measured) {
             self.measure(plan, |_| {}).await?;
         }
         let measurer = self.measurer.take().ok_or_else(busy)?;
-        let written = measurer.hand.write(format).await;
+        let answer = ask(&measurer.hand).await;
         self.measurer.replace(Some(measurer));
-        written
+        answer
     }
 
     /// The spots of all views, found now if they are not at hand.

@@ -52,6 +52,9 @@ pub(crate) enum Request {
     Thumbnail { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
+    /// Write the document that a one-file page carries, of what was measured last with these settings.
+    /// Answered by `Written`.
+    Document(Settings),
 }
 
 /// What a worker answers.

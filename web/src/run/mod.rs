@@ -2,6 +2,7 @@
 
 mod blob_reader;
 mod develop;
+mod guest;
 mod hand;
 mod lab;
 mod mesh;
@@ -13,13 +14,14 @@ mod report;
 mod study;
 pub(crate) mod worker;
 
+pub(crate) use guest::guest;
 pub(crate) use lab::{Lab, Progress};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{PictureSet, Thumbnail};
 pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{
-    Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
+    Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, Stand, VesselPoint, Wall,
 };
 pub(crate) use study::{CurveKind, MethodReport, Study, StudyCurve};
 

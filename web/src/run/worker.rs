@@ -5,8 +5,9 @@ use std::io::BufReader;
 
 use js_sys::{Array, Uint8Array};
 use snellius::export::{Format, ReconstructionResult};
-use snellius::pipeline::{correct, observe, reconstruct, study_index};
+use snellius::pipeline::{Settings, correct, observe, reconstruct, study_index};
 use snellius::scan::Archive;
+use snellius::share::Document;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
@@ -95,6 +96,7 @@ impl Desk {
                 &self.archive()?.pictures(view)?.on,
             ))),
             Request::Write(format) => self.write(format),
+            Request::Document(settings) => self.document(settings),
         }
     }
 
@@ -143,6 +145,13 @@ impl Desk {
         let result = self.result.as_ref().ok_or_else(out_of_order)?;
         let bytes = result.write(format)?;
         Ok(Reply::Written(Uint8Array::from(bytes.as_slice())))
+    }
+
+    fn document(&mut self, settings: Settings) -> Result<Reply, Problem> {
+        let result = self.result.clone().ok_or_else(out_of_order)?;
+        let manifest = self.archive()?.scan().manifest.clone();
+        let document = Document::new(None, String::new(), settings, Some(manifest), result);
+        Ok(Reply::Written(document.to_json().as_bytes().into()))
     }
 
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {

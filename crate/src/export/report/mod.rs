@@ -45,6 +45,15 @@ pub fn report_html(result: &ReconstructionResult) -> String {
     page.into_string()
 }
 
+/// The report's figures by themselves, as HTML: vessel and object from above, and the ray distances.
+pub fn report_figures(result: &ReconstructionResult) -> String {
+    let figures = html! {
+        (top_view::figure(result))
+        (ray_distances::figure(result))
+    };
+    figures.into_string()
+}
+
 fn title(result: &ReconstructionResult) -> String {
     match result.scan.trim() {
         "" => "Reconstruction".to_owned(),
