@@ -113,7 +113,10 @@ fn a_page_on_disk_shows_the_reconstruction_and_gives_its_data() -> Result<()> {
             ensure!(saved.bytes == expected.file(name)?, "{name} differs");
         }
         let scene = page.settled_picture_of(&part("scene"))?;
-        ensure!(scene.distinct_colours() > 5, "the scene has no points in their colours");
+        ensure!(
+            scene.distinct_colours() > 5,
+            "the scene has no points in their colours"
+        );
         ensure!(scene.coloured_pixels() > 2000, "the scene is empty");
         for (scheme, width, height) in [
             ("light", 1280, 900),
