@@ -10,6 +10,7 @@
 //! | `packages.rs`, `cache.rs` | the distribution's packages; where what was built once is kept |
 //! | `dist.rs` | what is published, with every address relative |
 //! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
+//! | `tsc.rs` | the TypeScript compiler, which checks these |
 //! | `page.rs` | the page through Trunk |
 //! | `viewer.rs` | what one-file pages are made of |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
@@ -34,6 +35,7 @@ mod serve;
 mod setup;
 mod test;
 mod tools;
+mod tsc;
 mod typescript;
 mod viewer;
 
