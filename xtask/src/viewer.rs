@@ -9,6 +9,7 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use base64::{Engine, prelude::BASE64_STANDARD};
 use miniz_oxide::deflate::compress_to_vec_zlib;
+use sha2::{Digest, Sha256};
 
 use crate::{
     process::{cargo, program, root, run, target_directory},
@@ -76,35 +77,43 @@ fn packed(path: &Path) -> Result<String> {
     Ok(BASE64_STANDARD.encode(compress_to_vec_zlib(&bytes, BEST)))
 }
 
-/// Puts what a page names into the page: style sheets, scripts, and the WebAssembly as a text.
+/// Puts what a page names into the page: style sheets, scripts, and the WebAssembly as a text. The page's own
+/// scripts are the only ones that its content security policy then lets run.
 fn inlined(html: &str, file: impl Fn(&str) -> Result<String>) -> Result<String> {
     let mut page = String::new();
+    let mut hashes = Vec::new();
     for line in html.lines() {
-        let between = |before, after| Some(line.trim().strip_prefix(before)?.strip_suffix(after)?);
+        let between = |before, after| line.trim().strip_prefix(before)?.strip_suffix(after);
         let style = between(r#"<link rel="stylesheet" href=""#, r#"" />"#);
         let script = between(r#"<script src=""#, r#""></script>"#);
         let put_in = match (style, script) {
             (Some(name), _) => format!("<style>\n{}</style>", file(name)?),
             (_, Some(name)) if name.ends_with(".wasm") => {
-                format!(
-                    r#"<script type="text/plain" id="snellius-wasm">{}</script>"#,
-                    file(name)?
-                )
+                let text = file(name)?;
+                format!(r#"<script type="text/plain" id="snellius-wasm">{text}</script>"#)
             }
             (_, Some(name)) => {
-                let code = file(name)?;
+                let code = format!("\n{}", file(name)?);
                 ensure!(
                     !code.contains("</script"),
                     "{name} would end its own script"
                 );
-                format!("<script>\n{code}</script>")
+                hashes.push(hash(&code));
+                format!("<script>{code}</script>")
             }
             _ => line.to_owned(),
         };
         page.push_str(&put_in);
         page.push('\n');
     }
-    Ok(page)
+    let policy = format!("script-src {}", hashes.join(" "));
+    Ok(page.replacen("script-src 'self'", &policy, 1))
+}
+
+/// How a content security policy names a script.
+fn hash(code: &str) -> String {
+    let digest = Sha256::digest(code.as_bytes());
+    format!("'sha256-{}'", BASE64_STANDARD.encode(digest))
 }
 
 #[cfg(test)]
@@ -114,6 +123,7 @@ mod tests {
     #[test]
     fn what_a_page_names_stands_in_it() {
         let page = r#"
+            <meta content="script-src 'self' 'wasm-unsafe-eval'" />
             <link rel="icon" href="data:," />
             <link rel="stylesheet" href="a.css" />
             <script src="b.wasm"></script>
@@ -127,6 +137,8 @@ mod tests {
             "text/plain",
             "[b.wasm]",
             "<script>\n[c.js]\n</script>",
+            // printf '\n[c.js]\n' | openssl dgst -sha256 -binary | base64
+            "script-src 'sha256-3hBZgzd7h2LSnFZ1yMm3Jet8RZyaF3hN4hy3b0XjtTg=' 'wasm-unsafe-eval'",
         ] {
             assert!(page.contains(part), "{part}: {page}");
         }

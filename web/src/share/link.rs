@@ -131,10 +131,14 @@ async fn copied(link: Link) -> Made {
 
 /// By how much a point may be off along an axis, in words: two digits, not too small.
 pub(super) fn largest(rounding: Rounding) -> String {
+    const MOST_DIGITS: usize = 6;
     let largest = rounding.object.into_iter().fold(0.0, f64::max);
-    let decade = (1.0 - largest.max(1e-9).log10().floor()).clamp(0.0, 9.0) as i32;
-    let unit = 0.1_f64.powi(decade);
-    format!("{:.*}", decade as usize, (largest / unit).ceil() * unit)
+    let (mut unit, mut digits) = (1.0, 0);
+    while largest < 10.0 * unit && digits < MOST_DIGITS {
+        unit /= 10.0;
+        digits += 1;
+    }
+    format!("{:.digits$}", (largest / unit).ceil() * unit)
 }
 
 fn own(error: impl ToString) -> Problem {
