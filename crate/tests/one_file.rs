@@ -326,3 +326,52 @@ fn what_cannot_be_measured_again_says_why() {
     document.scan = None::<Manifest>;
     assert!(Sightlines::of(&document).unwrap().is_none());
 }
+
+/// Whatever numbers a page holds, opening it, measuring it again and writing it ends, and without a panic.
+#[test]
+fn numbers_of_ill_will_do_no_harm() {
+    const EXTREMES: [f64; 8] = [0.0, -1.0, 1e-300, 1e300, -1e300, 4_294_967_295.0, 1e16, 0.1];
+    let whole: Value = serde_json::from_str(&TANK.document.to_json()).unwrap();
+    let count = numbers(&mut whole.clone()).len();
+    let mut opened = 0;
+    for case in 0..600 {
+        let mut data = whole.clone();
+        let mut places = numbers(&mut data);
+        // Every few cases several numbers at once.
+        for k in 0..=case % 3 {
+            let at = (case * 7919 + k * 104_729) % count;
+            let extreme = EXTREMES[(case / 3 + k) % EXTREMES.len()];
+            *places[at] = match extreme.fract() == 0.0 && extreme.abs() < 1e10 {
+                true => json!(extreme as i64),
+                false => json!(extreme),
+            };
+        }
+        let Ok(document) = Document::from_json(data.to_string().as_bytes()) else {
+            continue;
+        };
+        opened += 1;
+        let result = match Sightlines::of(&document) {
+            Ok(Some(lines)) => {
+                lines.light(case % 35, 0, 1.33);
+                lines.mean_ray_distances(&[1.0, 1.5]);
+                lines.result_at(&document.result, 1.4)
+            }
+            _ => document.result,
+        };
+        let _ = result.wall_mesh();
+        for format in Format::ALL {
+            let _ = result.write(*format);
+        }
+    }
+    assert!(opened > 300, "{opened}");
+}
+
+/// All numbers of a JSON.
+fn numbers(value: &mut Value) -> Vec<&mut Value> {
+    match value {
+        Value::Number(_) => vec![value],
+        Value::Array(list) => list.iter_mut().flat_map(numbers).collect(),
+        Value::Object(map) => map.values_mut().flat_map(numbers).collect(),
+        _ => Vec::new(),
+    }
+}

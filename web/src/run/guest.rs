@@ -91,7 +91,7 @@ fn facts_of(document: &Document) -> Facts {
         declared_shape: VesselShape::Auto,
         picture: [0, 0],
         epipolar_line: Vec::new(),
-        sweeps: last.map_or(0, |last| last as usize + 1),
+        sweeps: last.map_or(0, |last| (last as usize).saturating_add(1)),
         stations: views.iter().map(station).collect(),
     }
 }
