@@ -11,8 +11,9 @@ use serde_json::{Value, json};
 
 use crate::{browser::Browser, journal, keys, picture::Picture, places, wait::wait_for};
 
-/// How long something on a page may take, unless a test knows better.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+/// How long something on a page may take, unless a test knows better. A busy machine that draws in
+/// software may need half of it to begin.
+pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A page of a running Chromium.
 pub struct Page<'a> {
@@ -175,8 +176,38 @@ impl Page<'_> {
     /// Clicks the middle of an element, once it can be seen, is not disabled, and nothing lies
     /// over it.
     pub fn click(&self, selector: &str) -> Result<()> {
-        let area = self.area(selector)?;
-        let (x, y) = area.point((0.5, 0.5));
+        let (x, y) = self.point_free_for_a_click(selector)?;
+        self.mouse("mouseMoved", (x, y), json!({}))?;
+        let button = json!({ "button": "left", "clickCount": 1 });
+        self.mouse("mousePressed", (x, y), button.clone())?;
+        self.mouse("mouseReleased", (x, y), button)
+    }
+
+    fn point_free_for_a_click(&self, selector: &str) -> Result<(f64, f64)> {
+        wait_for(PATIENCE, || {
+            let point = self.area_at_rest(selector)?.point((0.5, 0.5));
+            Ok(self.is_reached(selector, point)?.then_some(point))
+        })
+        .with_context(|| {
+            format!(
+                "waited for `{selector}` to be free for a click at {}",
+                self.address()
+            )
+        })
+    }
+
+    /// Where an element is once it moves no more: while a page is still filling, things do.
+    fn area_at_rest(&self, selector: &str) -> Result<Area> {
+        let mut before = None;
+        wait_for(PATIENCE, || {
+            let area = self.area(selector)?;
+            Ok((before.replace(area) == Some(area)).then_some(area))
+        })
+        .with_context(|| format!("waited for `{selector}` to rest"))
+    }
+
+    /// Whether a click there meets the element or its label, and the element can be used.
+    fn is_reached(&self, selector: &str, (x, y): (f64, f64)) -> Result<bool> {
         let reached = format!(
             "(() => {{
                 const element = {};
@@ -187,17 +218,13 @@ impl Page<'_> {
             }})()",
             query(selector)
         );
-        self.wait_until(&format!("`{selector}` to be free for a click"), &reached)?;
-        self.mouse("mouseMoved", (x, y), json!({}))?;
-        let button = json!({ "button": "left", "clickCount": 1 });
-        self.mouse("mousePressed", (x, y), button.clone())?;
-        self.mouse("mouseReleased", (x, y), button)
+        Ok(self.value_of(&reached)? == true)
     }
 
     /// Drags with the left button between two points of an element, given as shares of its size.
     pub fn drag(&self, selector: &str, from: (f64, f64), to: (f64, f64)) -> Result<()> {
         const STEPS: u32 = 12;
-        let area = self.area(selector)?;
+        let area = self.area_at_rest(selector)?;
         let (start, end) = (area.point(from), area.point(to));
         let held = json!({ "button": "left", "buttons": 1, "clickCount": 1 });
         self.mouse("mouseMoved", start, json!({}))?;
@@ -214,7 +241,7 @@ impl Page<'_> {
 
     /// Turns the wheel over the middle of an element; positive scrolls down.
     pub fn wheel(&self, selector: &str, pixels: f64) -> Result<()> {
-        let point = self.area(selector)?.point((0.5, 0.5));
+        let point = self.area_at_rest(selector)?.point((0.5, 0.5));
         let turn = json!({ "deltaX": 0, "deltaY": pixels });
         self.mouse("mouseWheel", point, turn)
     }
@@ -271,7 +298,7 @@ impl Page<'_> {
     /// Drags files from outside over an element and drops them there.
     pub fn drop_files(&self, selector: &str, files: &[&Path]) -> Result<()> {
         const COPY: u32 = 1;
-        let (x, y) = self.area(selector)?.point((0.5, 0.5));
+        let (x, y) = self.area_at_rest(selector)?.point((0.5, 0.5));
         let data = json!({ "items": [], "files": files, "dragOperationsMask": COPY });
         for kind in ["dragEnter", "dragOver", "drop"] {
             let event = json!({ "type": kind, "x": x, "y": y, "data": data });

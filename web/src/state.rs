@@ -9,18 +9,15 @@ use js_sys::Uint8Array;
 use leptos::prelude::*;
 use snellius::export::{Format, SpotRole};
 use snellius::pipeline::{Correction, Settings, Stage};
-use snellius::share::Document;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    self, Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail,
-    sleep,
+    About, Facts, Guest, Hand, Lab, LinkMade, Outcome, PageWish, PictureSet, Plan, Problem,
+    ProblemKind, Progress, Study, Thumbnail, sleep,
 };
-
-use crate::share::Guest;
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +87,7 @@ pub(crate) struct Workbench {
     /// The scan that is shown.
     pub(crate) facts: RwSignal<Option<Arc<Facts>>>,
     /// What is shown, if it came without its archive.
-    pub(crate) guest: RwSignal<Option<Guest>>,
+    pub(crate) guest: RwSignal<Option<About>>,
     /// What it gave last; nothing yet if something is wanted first.
     pub(crate) outcome: RwSignal<Option<Arc<Outcome>>>,
     /// Why the settings give nothing; the outcome is then that of earlier ones.
@@ -126,6 +123,8 @@ pub(crate) struct Workbench {
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
+    /// The worker that has what came without its archive.
+    guest_hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
     /// The plan that was measured last, whatever came of it.
     measured: StoredValue<Plan>,
@@ -161,6 +160,7 @@ impl Workbench {
             help: RwSignal::new(false),
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
+            guest_hand: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
             shown: StoredValue::new(Plan::default()),
@@ -257,40 +257,46 @@ impl Workbench {
         });
     }
 
-    /// Shows a reconstruction that came without its archive.
-    pub(crate) fn receive(self, guest: Guest) {
-        self.cancel();
-        match run::guest(&guest.document) {
-            Ok((facts, outcome)) => {
-                let plan = Plan {
-                    settings: guest.document.settings,
-                    ..Plan::default()
-                };
-                self.clear(facts, plan.clone());
-                self.lab.set_value(None);
-                self.guest.set(Some(guest));
-                self.take(plan, Ok(outcome));
-            }
-            Err(problem) => self.fail(problem),
-        }
+    /// Shows a reconstruction that comes without its archive: in a link, or in a file. What is shown stays
+    /// until it has come.
+    pub(crate) fn receive(
+        self,
+        name: String,
+        open: impl AsyncFnOnce(&Hand) -> Result<Guest, Problem> + 'static,
+    ) {
+        let opened = async move {
+            let hand = Hand::start().await?;
+            let guest = open(&hand).await?;
+            Ok((hand, guest))
+        };
+        self.wait_for(name, opened, move |(hand, guest)| {
+            let plan = Plan {
+                settings: guest.settings,
+                ..Plan::default()
+            };
+            self.clear(guest.facts, plan.clone());
+            self.guest_hand.set_value(Some(Rc::new(hand)));
+            self.guest.set(Some(guest.about));
+            self.take(plan, Ok(guest.outcome));
+        });
     }
 
-    /// Waits for a file from elsewhere, saying so meanwhile, and hands it on. What is shown stays until then.
-    pub(crate) fn fetch(
+    /// Waits for something, saying so meanwhile, and then does something with it; gives up when cancelled.
+    pub(crate) fn wait_for<T: 'static>(
         self,
         saying: String,
-        file: impl Future<Output = Result<Blob, Problem>> + 'static,
-        then: impl FnOnce(Blob) + 'static,
+        what: impl Future<Output = Result<T, Problem>> + 'static,
+        then: impl FnOnce(T) + 'static,
     ) {
         self.cancel();
         self.problem.set(None);
         self.file_name.set(saying);
         self.progress.set(Some(Progress::default()));
-        let (fetching, handle) = abortable(file);
+        let (waiting, handle) = abortable(what);
         self.cancel.set_value(Some(handle));
         spawn_local(async move {
-            match fetching.await {
-                Ok(Ok(file)) => then(file),
+            match waiting.await {
+                Ok(Ok(come)) => then(come),
                 Ok(Err(problem)) => self.fail(problem),
                 // Whoever cancelled has put the page in order.
                 Err(Aborted) => {}
@@ -332,7 +338,6 @@ impl Workbench {
             return self.fail(problem.clone());
         }
         self.clear(lab.facts().clone(), Plan::default());
-        self.guest.set(None);
         self.lab.set_value(Some(Rc::new(lab)));
         if let Err(problem) = &outcome
             && problem.kind != ProblemKind::IndexWanted
@@ -344,7 +349,9 @@ impl Workbench {
 
     /// Makes room for another scan.
     fn clear(self, facts: Facts, plan: Plan) {
-        self.problem.set(None);
+        self.lab.set_value(None);
+        self.guest_hand.set_value(None);
+        self.guest.set(None);
         self.facts.set(Some(Arc::new(facts)));
         self.settings.set(plan.settings);
         self.corrections.set(Vec::new());
@@ -598,9 +605,8 @@ impl Workbench {
 
     /// Writes a file of what is shown. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
-        if let Some(guest) = self.guest.get_untracked() {
-            let bytes = guest.document.result.write(format)?;
-            return Ok(Uint8Array::from(bytes.as_slice()));
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.write(format).await;
         }
         self.settled_lab()
             .await?
@@ -608,22 +614,22 @@ impl Workbench {
             .await
     }
 
-    /// What a one-file page of what is shown carries.
-    pub(crate) async fn document(self) -> Result<Document, Problem> {
-        if let Some(guest) = self.guest.get_untracked() {
-            return Ok((*guest.document).clone());
+    /// Makes a link to what is shown.
+    pub(crate) async fn link(self) -> Result<LinkMade, Problem> {
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.link(self.settings.get_untracked()).await;
         }
-        let json = self
-            .settled_lab()
-            .await?
-            .document(&self.shown.get_value())
-            .await?;
-        Document::from_json(&json.to_vec()).map_err(|e| Problem::own(e.to_string()))
+        let lab = self.settled_lab().await?;
+        lab.link(&self.shown.get_value()).await
     }
 
-    /// How what is shown was measured.
-    pub(crate) fn shown_settings(self) -> Settings {
-        self.shown.with_value(|plan| plan.settings)
+    /// Writes a one-file page of what is shown.
+    pub(crate) async fn page(self, wish: PageWish) -> Result<Uint8Array, Problem> {
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.page(self.settings.get_untracked(), wish).await;
+        }
+        let lab = self.settled_lab().await?;
+        lab.page(&self.shown.get_value(), wish).await
     }
 
     /// The lab once it is at rest.

@@ -11,7 +11,7 @@
 //! | `dist.rs` | what is published, with every address relative |
 //! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
 //! | `tsc.rs` | the TypeScript compiler, which checks these |
-//! | `page.rs` | the page through Trunk |
+//! | `page.rs`, `finish.rs` | the page through Trunk; its last stroke, which Trunk calls |
 //! | `viewer.rs` | what one-file pages are made of |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
@@ -25,6 +25,7 @@ mod bench;
 mod browser;
 mod cache;
 mod dist;
+mod finish;
 mod npm;
 mod packages;
 mod page;
@@ -81,6 +82,10 @@ fn run() -> Result<()> {
         "dist" => {
             no_more(arguments)?;
             dist::run()
+        }
+        "finish" => {
+            no_more(arguments)?;
+            finish::run()
         }
         "npm" => {
             no_more(arguments)?;

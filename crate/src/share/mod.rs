@@ -195,15 +195,20 @@ pub fn decode(fragment: &str) -> Result<Shared, LinkError> {
     })
 }
 
+/// Whether a fragment is a link of this program, of whatever version; it may still be damaged.
+pub fn is_link(fragment: &str) -> bool {
+    version(fragment).is_some()
+}
+
+fn version(fragment: &str) -> Option<&str> {
+    let (version, _) = fragment.strip_prefix('r')?.split_once('=')?;
+    let is_number = version.bytes().all(|b| b.is_ascii_digit());
+    ((1..=6).contains(&version.len()) && is_number).then_some(version)
+}
+
 /// What a fragment is that is not of this version.
 fn other(fragment: &str) -> LinkError {
-    let version = fragment
-        .strip_prefix('r')
-        .and_then(|rest| rest.split_once('='))
-        .map(|(version, _)| version)
-        .filter(|version| (1..=6).contains(&version.len()))
-        .filter(|version| version.bytes().all(|b| b.is_ascii_digit()));
-    match version {
+    match version(fragment) {
         Some(version) => LinkError::Version(version.to_owned()),
         None => LinkError::NotOurs,
     }

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use snellius::export::{ReconstructionResult, Status, ViewResult};
 use snellius::geometry::Point;
-use snellius::pipeline::{Stage, Summary, Warning};
+use snellius::pipeline::{Settings, Stage, Summary, Warning};
 use snellius::scan::{Scan, VesselShape};
 use snellius::share::{Document, Sightlines};
 
@@ -14,8 +16,41 @@ use super::report::{
     line_spots, places, shown,
 };
 
+/// What a worker tells the page of such a reconstruction.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Guest {
+    pub(crate) facts: Facts,
+    pub(crate) outcome: Outcome,
+    pub(crate) settings: Settings,
+    pub(crate) about: About,
+}
+
+/// What there is to say of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct About {
+    /// What its maker says.
+    pub(crate) notes: String,
+    /// How far off its points may be along an axis, mm, if it came in a link.
+    pub(crate) rounding: Option<f64>,
+}
+
+impl Guest {
+    pub(super) fn of(document: &Document, rounding: Option<f64>) -> Result<Self, Problem> {
+        let (facts, outcome) = shown_of(document)?;
+        Ok(Self {
+            facts,
+            outcome,
+            settings: document.settings,
+            about: About {
+                notes: document.notes.clone(),
+                rounding,
+            },
+        })
+    }
+}
+
 /// What the screens show of a document.
-pub(crate) fn guest(document: &Document) -> Result<(Facts, Outcome), Problem> {
+fn shown_of(document: &Document) -> Result<(Facts, Outcome), Problem> {
     let result = &document.result;
     let outer = result.vessel.surface().ok_or_else(|| {
         Problem::input(

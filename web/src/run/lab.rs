@@ -13,6 +13,7 @@ use web_sys::Blob;
 
 use super::hand::Hand;
 use super::messages::{PictureSet, Thumbnail};
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
@@ -133,9 +134,15 @@ impl Lab {
         self.of_measured(plan, write).await
     }
 
-    /// Writes the document of what a plan gives, which a one-file page carries.
-    pub(crate) async fn document(&self, plan: &Plan) -> Result<Uint8Array, Problem> {
-        let write = async |hand: &Hand| hand.document(plan.settings).await;
+    /// Makes a link to what a plan gives.
+    pub(crate) async fn link(&self, plan: &Plan) -> Result<LinkMade, Problem> {
+        let link = async |hand: &Hand| hand.link(plan.settings).await;
+        self.of_measured(plan, link).await
+    }
+
+    /// Writes a one-file page of what a plan gives.
+    pub(crate) async fn page(&self, plan: &Plan, wish: PageWish) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.page(plan.settings, wish).await;
         self.of_measured(plan, write).await
     }
 

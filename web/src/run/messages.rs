@@ -11,6 +11,8 @@ use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
+use super::guest::Guest;
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
@@ -52,9 +54,14 @@ pub(crate) enum Request {
     Thumbnail { view: usize },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
-    /// Write the document that a one-file page carries, of what was measured last with these settings.
-    /// Answered by `Written`.
-    Document(Settings),
+    /// Open what a link holds; everything after is about it. Answered by `Received`.
+    OpenLink(String),
+    /// Open a file that was passed on; everything after is about it. Answered by `Received`.
+    OpenPassed(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
+    /// Make a link to what was measured last with these settings. Answered by `Linked`.
+    Link(Settings),
+    /// Write a one-file page of what was measured last with these settings. Answered by `Written`.
+    Page(Settings, PageWish),
 }
 
 /// What a worker answers.
@@ -70,6 +77,8 @@ pub(crate) enum Reply {
     Pictures(PictureSet),
     Thumbnail(Thumbnail),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
+    Received(Box<Guest>),
+    Linked(LinkMade),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.

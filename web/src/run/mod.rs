@@ -8,16 +8,20 @@ mod lab;
 mod mesh;
 mod messages;
 mod packed;
+mod passing;
 mod plan;
 mod problem;
+mod program;
 mod report;
 mod study;
 pub(crate) mod worker;
 
-pub(crate) use guest::guest;
+pub(crate) use guest::{About, Guest};
+pub(crate) use hand::Hand;
 pub(crate) use lab::{Lab, Progress};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{PictureSet, Thumbnail};
+pub(crate) use passing::{LinkMade, PageWish};
 pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
 pub(crate) use report::{

@@ -2,11 +2,10 @@
 
 use leptos::ev;
 use leptos::prelude::*;
-use snellius::share::{self, Document, LinkError, Shared};
+use snellius::share::is_link;
 use wasm_bindgen_futures::JsFuture;
 
-use super::{Guest, source};
-use crate::run::Problem;
+use super::source;
 use crate::state::Workbench;
 
 /// Opens what the address holds, now and whenever it changes.
@@ -22,32 +21,13 @@ fn read(workbench: Workbench) {
     if let Some(address) = fragment.strip_prefix("src=") {
         return source::open(workbench, address);
     }
-    match share::decode(fragment) {
-        Ok(Shared {
-            settings,
-            result: Some(result),
-            rounding,
-        }) => workbench.receive(Guest {
-            document: Document::new(None, String::new(), settings, None, result).into(),
-            rounding,
-        }),
-        Ok(_) => workbench.fail(Problem::input(
-            "This link holds settings, but no reconstruction.",
-            "Ask whoever sent it for a link made from a measured scan.",
-        )),
-        // The lab's links, and anchors.
-        Err(LinkError::NotOurs) => {}
-        Err(error) => workbench.fail(Problem::input(
-            format!("{}.", capitalised(&error.to_string())),
-            "Copy the whole link and open it again, or ask whoever sent it for a file.",
-        )),
+    // Anything else is an anchor, or the lab's.
+    if is_link(fragment) {
+        let fragment = fragment.to_owned();
+        workbench.receive("a link".to_owned(), async move |hand| {
+            hand.open_link(fragment).await
+        });
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).collect()
 }
 
 /// The page's address with a fragment.

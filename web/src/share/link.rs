@@ -2,16 +2,11 @@
 
 use leptos::html;
 use leptos::prelude::*;
-use snellius::export::{Format, ReconstructionResult};
-use snellius::share::{Link, LinkError, Rounding, encode};
 use wasm_bindgen_futures::spawn_local;
 
 use super::address::{page_address, write_to_clipboard};
-use crate::run::Problem;
+use crate::run::{LinkMade, Problem};
 use crate::state::Workbench;
-
-/// No link holds more points; their result is not even asked for.
-const MOST_POINTS: usize = 20_000;
 
 /// What came of the wish for a link.
 #[derive(Clone)]
@@ -85,62 +80,41 @@ pub(super) fn LinkMaker() -> impl IntoView {
 }
 
 async fn make(workbench: Workbench) -> Result<Made, Problem> {
-    let points = workbench
-        .outcome
-        .with_untracked(|outcome| outcome.as_ref().map_or(0, |outcome| outcome.object.len()));
-    let link = if points > MOST_POINTS {
-        Err(LinkError::TooLong)
-    } else {
-        let json = workbench.write(Format::Json).await?.to_vec();
-        let result = ReconstructionResult::from_json(&json).map_err(own)?;
-        encode(&workbench.shown_settings(), Some(&result))
-    };
-    match link {
-        Ok(link) => Ok(copied(link).await),
-        Err(LinkError::TooLong) => Ok(Made {
+    let LinkMade {
+        fragment,
+        rounding,
+        warning,
+    } = workbench.link().await?;
+    let Some(fragment) = fragment else {
+        return Ok(Made {
             address: None,
-            said: format!("{points} points are too much for a link. Save one file instead, below."),
-        }),
-        Err(error) => Err(own(error)),
-    }
-}
-
-async fn copied(link: Link) -> Made {
-    let address = page_address(&link.fragment);
+            said: "This is too much for a link. Save one file instead, below.".to_owned(),
+        });
+    };
+    let address = page_address(&fragment);
     let copied = match write_to_clipboard(&address).await {
         Some(()) => "Copied",
         None => "The browser forbids copying: take it from the field",
     };
-    let rounding = link.rounding.map_or(String::new(), |rounding| {
-        format!(
-            " Its points are rounded by at most {} mm along each axis, less than their standard deviations.",
-            largest(rounding)
-        )
-    });
-    let warning = link
-        .warning()
-        .map_or(String::new(), |warning| format!(" Mind: {warning}."));
-    Made {
+    let warning = warning.map_or(String::new(), |warning| format!(" Mind: {warning}."));
+    Ok(Made {
         said: format!(
-            "{copied}: {} characters, which hold the reconstruction itself.{rounding}{warning}",
-            address.len()
+            "{copied}: {} characters, which hold the reconstruction itself. Its points are rounded by at most \
+             {} mm along each axis, less than their standard deviations.{warning}",
+            address.len(),
+            rounded_up(rounding)
         ),
         address: Some(address),
-    }
+    })
 }
 
-/// By how much a point may be off along an axis, in words: two digits, not too small.
-pub(super) fn largest(rounding: Rounding) -> String {
+/// A length in two digits, not too small.
+pub(super) fn rounded_up(length: f64) -> String {
     const MOST_DIGITS: usize = 6;
-    let largest = rounding.object.into_iter().fold(0.0, f64::max);
     let (mut unit, mut digits) = (1.0, 0);
-    while largest < 10.0 * unit && digits < MOST_DIGITS {
+    while length < 10.0 * unit && digits < MOST_DIGITS {
         unit /= 10.0;
         digits += 1;
     }
-    format!("{:.digits$}", (largest / unit).ceil() * unit)
-}
-
-fn own(error: impl ToString) -> Problem {
-    Problem::own(error.to_string())
+    format!("{:.digits$}", (length / unit).ceil() * unit)
 }

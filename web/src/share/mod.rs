@@ -6,25 +6,15 @@ mod link;
 mod one_file;
 mod source;
 
-use std::sync::Arc;
-
 use leptos::prelude::*;
-use snellius::share::{Document, Rounding};
 
 pub(crate) use address::follow as follow_address;
 pub(crate) use arrival::open_file;
 
 use self::link::LinkMaker;
 use self::one_file::PageMaker;
+use crate::run::About;
 use crate::state::Workbench;
-
-/// A reconstruction that came without its archive.
-#[derive(Clone, Debug)]
-pub(crate) struct Guest {
-    pub(crate) document: Arc<Document>,
-    /// How far off its numbers may be, if it came in a link.
-    pub(crate) rounding: Option<Rounding>,
-}
 
 /// Links and one-file pages, in the section of what can be done with a result.
 #[component]
@@ -40,22 +30,21 @@ pub(crate) fn PassOn() -> impl IntoView {
 pub(crate) fn GuestNote() -> impl IntoView {
     let workbench = Workbench::get();
     move || {
-        let Guest { document, rounding } = workbench.guest.get()?;
+        let About { notes, rounding } = workbench.guest.get()?;
         let came = match rounding {
             Some(rounding) => format!(
                 "Opened from a link: the points are rounded by at most {} mm along each axis, which is less \
                  than their standard deviations.",
-                link::largest(rounding)
+                link::rounded_up(rounding)
             ),
-            None => "Opened from a one-file page.".to_owned(),
+            None => "Opened from a file that was passed on.".to_owned(),
         };
         Some(view! {
             <section class="guest panel" data-testid="guest-note">
                 <p>
                     {came} " Its pictures are not in it: to measure anew, open the scan's archive."
                 </p>
-                {(!document.notes.is_empty())
-                    .then(|| view! { <p class="guest-notes">{document.notes.clone()}</p> })}
+                {(!notes.is_empty()).then(|| view! { <p class="guest-notes">{notes}</p> })}
             </section>
         })
     }

@@ -2,11 +2,10 @@
 
 use leptos::html;
 use leptos::prelude::*;
-use snellius::share::{Document, one_file};
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
 use crate::files::{fetch, save};
-use crate::run::Problem;
+use crate::run::{PageWish, Problem};
 use crate::state::Workbench;
 
 /// What the file is called.
@@ -55,22 +54,19 @@ pub(super) fn PageMaker() -> impl IntoView {
 }
 
 async fn make(workbench: Workbench, title: String, notes: String) -> Result<(), Problem> {
-    let title = Some(title).filter(|title| !title.trim().is_empty());
     let viewer = viewer().await.map_err(|cause| {
         Problem::input(
             format!("The viewer that such pages are made of could not be fetched: {cause}."),
             "Check the connection and try again.",
         )
     })?;
-    let Document {
-        settings,
-        scan,
-        result,
-        ..
-    } = workbench.document().await?;
-    let document = Document::new(title, notes, settings, scan, result);
-    let page = one_file(&viewer, &document).map_err(|e| Problem::own(e.to_string()))?;
-    save(&page.as_bytes().into(), FILE_NAME, "text/html")
+    let wish = PageWish {
+        viewer,
+        title,
+        notes,
+    };
+    let page = workbench.page(wish).await?;
+    save(&page, FILE_NAME, "text/html")
         .map_err(|e| Problem::own(format!("The browser does not save: {e:?}")))
 }
 

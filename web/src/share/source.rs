@@ -18,7 +18,7 @@ pub(super) fn open(workbench: Workbench, address: &str) {
             let (host, href) = (url.host(), url.href());
             let name = url.pathname();
             let name = name.rsplit('/').next().unwrap_or_default().to_owned();
-            workbench.fetch(
+            workbench.wait_for(
                 format!("Fetching from {host}: {href}"),
                 async move { fetched(&host, &href).await },
                 move |file| open_file(workbench, file, name),
