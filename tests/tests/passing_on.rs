@@ -174,7 +174,7 @@ fn links_of_ill_will_give_a_message_and_block_nothing() -> Result<()> {
     for (name, fragment, words) in cases {
         with_page(&format!("ill-link-{name}"), |page| {
             let workbench = opened(page, &format!("{}#{fragment}", site.url()))?;
-            let alert = workbench.alert();
+            let alert = workbench.alert().to_lowercase();
             ensure!(alert.contains(words), "{alert:?} does not say {words:?}");
             page.wait_visible(&part("drop-zone"))?;
             if name == "cut" {

@@ -1,20 +1,19 @@
 //! A file that arrives: an archive to be measured, or a reconstruction that was passed on.
 
-use wasm_bindgen_futures::{JsFuture, spawn_local};
+use wasm_bindgen_futures::JsFuture;
 use web_sys::Blob;
 
 use crate::state::Workbench;
 
 /// Opens a file, whatever it is: what it begins with says what it may be.
 pub(crate) fn open_file(workbench: Workbench, file: Blob, name: String) {
-    spawn_local(async move {
-        match first_letter(&file).await {
-            Some(b'<' | b'{') => {
-                workbench.receive(name, async move |hand| hand.open_passed(file).await);
-            }
-            // Anything else is an archive, or the archive's reader says why it is none.
-            _ => workbench.open(file, name),
+    let looked_at = async move { Ok((first_letter(&file).await, file)) };
+    workbench.wait_for(name.clone(), looked_at, move |(first, file)| match first {
+        Some(b'<' | b'{') => {
+            workbench.receive(name, async move |hand| hand.open_passed(file).await);
         }
+        // Anything else is an archive, or the archive's reader says why it is none.
+        _ => workbench.open(file, name),
     });
 }
 
