@@ -7,8 +7,8 @@ use tempfile::TempDir;
 
 use crate::places;
 
-/// Every format that the page offers as well.
-const FORMATS: &str = "json,ply,vessel-ply,csv,object-csv,pcd,glb,stl,obj,html";
+/// Every format that the page, or a page of one file, offers as well.
+const FORMATS: &str = "json,ply,vessel-ply,csv,object-csv,pcd,las,e57,glb,stl,obj,html";
 
 /// A one-file page of a scan archive, as `snellius share` makes it; `more` are further arguments.
 pub fn share(archive: &Path, more: &[&str]) -> Result<Vec<u8>> {

@@ -107,6 +107,8 @@ fn a_page_on_disk_shows_the_reconstruction_and_gives_its_data() -> Result<()> {
             ("download-csv", "points.csv"),
             ("download-object-ply", "object.ply"),
             ("download-json", "result.json"),
+            ("download-las", "object.las"),
+            ("download-e57", "object.e57"),
         ] {
             let saved = page.download(|| page.click(&part(button)))?;
             assert_eq!(saved.name, name);

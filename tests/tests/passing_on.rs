@@ -88,6 +88,7 @@ fn a_link_copied_in_one_browser_opens_in_another_with_the_same_numbers() -> Resu
             !said.contains("Mind"),
             "a short link needs no warning: {said}"
         );
+        page.set_size(1280, 1900)?;
         page.screenshot("link-made")?;
         let value = page.value_of("document.querySelector('[data-testid=link]').value")?;
         link = value.as_str().context("no link")?.to_owned();

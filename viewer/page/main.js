@@ -276,7 +276,12 @@ class Page {
   }
 
   save(format, name) {
-    const bytes = this.viewer.write(format);
+    let bytes;
+    try {
+      bytes = this.viewer.write(format);
+    } catch (error) {
+      return complain(`${name} cannot be written: ${error.message}`);
+    }
     const link = element("a", "", { href: URL.createObjectURL(new Blob([bytes])), download: name });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000);

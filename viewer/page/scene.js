@@ -100,12 +100,12 @@ class Scene {
     this.target = [0, 1, 2].map((i) => (low[i] + high[i]) / 2);
     this.size = Math.max(1, Math.hypot(...[0, 1, 2].map((i) => high[i] - low[i])));
     const narrow = Math.min(1, this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight));
-    this.distance = (1.35 * this.size) / Math.max(0.3, narrow);
+    this.distance = (1.5 * this.size) / Math.max(0.3, narrow);
     this.drawSoon();
   }
 
   look(from) {
-    [this.yaw, this.pitch] = { front: [-0.5, 0.35], side: [Math.PI / 2, 0.05], above: [0, 1.5] }[from];
+    [this.yaw, this.pitch] = { front: [0.75, 0.3], side: [Math.PI / 2, 0.05], above: [0, 1.5] }[from];
     this.drawSoon();
   }
 

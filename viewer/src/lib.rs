@@ -165,7 +165,7 @@ impl Viewer {
         measuring::measure(&self.shown, what, points)
     }
 
-    /// A file of what is shown: `csv`, `ply`, `json`.
+    /// A file of what is shown: `csv`, `ply`, `json`, `las`, `e57`.
     pub fn write(&self, format: &str) -> Result<Vec<u8>, JsError> {
         let mut known = Format::ALL.iter().filter(|known| known.name() == format);
         let format = known.next().ok_or_else(|| JsError::new("no such format"))?;
