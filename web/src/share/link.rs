@@ -69,7 +69,7 @@ pub(super) fn LinkMaker() -> impl IntoView {
                                         />
                                     }
                                 })}
-                            <p class="said" role="status" data-testid="link-said">
+                            <p class="link-said" role="status" data-testid="link-said">
                                 {said}
                             </p>
                         }
