@@ -6,6 +6,7 @@
 mod csv;
 #[cfg(feature = "e57")]
 mod e57;
+mod figures;
 mod format;
 mod glb;
 mod header;
@@ -27,13 +28,14 @@ pub use self::e57::object_e57;
 pub use self::las::object_las;
 pub use crate::spots::SpotRole;
 pub use csv::{object_csv, points_csv};
+pub use figures::{IndexFigure, ResultFigure};
 pub use format::{ExportError, Format};
 pub use glb::scene_glb;
 pub use mesh::{Mesh, object_mesh};
 pub use obj::mesh_obj;
 pub use pcd::object_pcd;
 pub use ply::{object_ply, vessel_ply};
-pub use report::report_html;
+pub use report::{report_figures, report_html};
 pub use result::{
     BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
     ReconstructionResult, RefusedResult, ResultError, ShapeChoiceResult, SpotResult, Status,
