@@ -3,6 +3,7 @@
 use leptos::prelude::*;
 
 use crate::pictures::Pictures;
+use crate::plots::Plots;
 use crate::scene::Scene;
 use crate::stages::Stages;
 use crate::state::Workbench;
@@ -25,6 +26,7 @@ pub(crate) fn ResultScreen() -> impl IntoView {
             <Show when=move || is_measured.get()>
                 <Strip />
                 <Pictures />
+                <Plots />
                 <ViewsTable />
             </Show>
         </div>

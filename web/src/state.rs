@@ -15,8 +15,10 @@ use web_sys::Blob;
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    Facts, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
+    Facts, FigureForm, FigureOf, Figured, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind,
+    Progress, Study, Thumbnail, sleep,
 };
+use crate::sessions::{Found, HowFar, Keeping, Record, Session};
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +57,35 @@ pub(crate) enum Look {
     Above,
 }
 
+/// Only a slab of the scene is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Section {
+    /// Across what; nothing, and everything is shown.
+    pub(crate) axis: Option<SectionAxis>,
+    /// Where its middle is, from the first point (0) to the last (1).
+    pub(crate) middle: f32,
+    /// How thick it is, as a part of the whole.
+    pub(crate) thickness: f32,
+}
+
+/// What a section goes across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SectionAxis {
+    Depth,
+    Height,
+    Width,
+}
+
+impl Default for Section {
+    fn default() -> Self {
+        Self {
+            axis: None,
+            middle: 0.5,
+            thickness: 0.25,
+        }
+    }
+}
+
 /// What the scene is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SceneCommand {
@@ -64,6 +95,8 @@ pub(crate) enum SceneCommand {
     FitAll,
     /// Turn the camera.
     Look(Look),
+    /// Save what is seen, without a ground if it shall be transparent.
+    Picture { transparent: bool },
 }
 
 /// Changed settings that are being measured.
@@ -111,6 +144,10 @@ pub(crate) struct Workbench {
     pub(crate) shown_range: RwSignal<[f32; 2]>,
     /// The object is shown where it is (1), where it would be without refraction (0), or between.
     pub(crate) refraction: RwSignal<f32>,
+    /// Which slab of the scene is shown.
+    pub(crate) section: RwSignal<Section>,
+    /// Error ellipsoids are drawn so many times as large as they are; none, and there are none.
+    pub(crate) ellipsoids: RwSignal<Option<f32>>,
     /// The scene without perspective.
     pub(crate) orthographic: RwSignal<bool>,
     /// What the scene was told last.
@@ -120,6 +157,10 @@ pub(crate) struct Workbench {
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
+    /// Who keeps what is opened, until it is shown,
+    opening: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
+    /// and who keeps what is shown.
+    kept: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
     /// The plan that was measured last, whatever came of it.
     measured: StoredValue<Plan>,
@@ -149,11 +190,15 @@ impl Workbench {
             measuring: RwSignal::new(Measuring::default()),
             shown_range: RwSignal::new([0.0, 1.0]),
             refraction: RwSignal::new(1.0),
+            section: RwSignal::new(Section::default()),
+            ellipsoids: RwSignal::new(None),
             orthographic: RwSignal::new(false),
             command: RwSignal::new(None),
             help: RwSignal::new(false),
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
+            opening: StoredValue::new_local(None),
+            kept: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
             shown: StoredValue::new(Plan::default()),
@@ -228,21 +273,46 @@ impl Workbench {
 
     /// Measures a file. What is shown stays until the new scan is measured.
     pub(crate) fn open(self, file: Blob, name: String) {
+        let record = Record::new(&name);
+        self.go_on(file, record, Vec::new(), None);
+    }
+
+    /// Goes on with a session: its scan, how that was measured, and the spots that were found.
+    pub(crate) fn go_on(
+        self,
+        file: Blob,
+        record: Record,
+        found: Vec<Found>,
+        session: Option<Session>,
+    ) {
         self.cancel();
         self.problem.set(None);
-        self.file_name.set(name);
+        self.file_name.set(record.file_name.clone());
         self.progress.set(Some(Progress::default()));
+        let keeping = Rc::new(Keeping::new(record));
+        self.opening.set_value(Some(Rc::clone(&keeping)));
+        spawn_local(Rc::clone(&keeping).keep(self, file.clone(), session));
         let tell = move |progress| self.progress.set(Some(progress));
         let first_run = async move {
-            let lab = Lab::open(file).await?;
-            let outcome = lab.measure(&Plan::default(), tell).await;
-            Ok((lab, outcome))
+            let lab = Rc::new(Lab::open(file).await?);
+            if let Some(packed) = lab.facts().session.as_deref() {
+                keeping.take_over(packed);
+            }
+            let plan = keeping.record().plan;
+            for found in found {
+                if found.settings == plan.settings.spots {
+                    lab.remember(found.settings, found.spots);
+                }
+            }
+            keeping.measures(&lab);
+            let outcome = lab.measure(&plan, tell).await;
+            Ok((lab, keeping, outcome))
         };
         let (running, handle) = abortable(first_run);
         self.cancel.set_value(Some(handle));
         spawn_local(async move {
             match running.await {
-                Ok(Ok((lab, outcome))) => self.show(lab, outcome),
+                Ok(Ok((lab, keeping, outcome))) => self.show(lab, keeping, outcome),
                 Ok(Err(problem)) => self.fail(problem),
                 // Whoever cancelled has put the page in order.
                 Err(Aborted) => {}
@@ -255,12 +325,20 @@ impl Workbench {
         if let Some(handle) = self.cancel.try_update_value(Option::take).flatten() {
             handle.abort();
         }
+        self.give_up();
+    }
+
+    /// What was being opened is not shown any more.
+    fn give_up(self) {
+        if let Some(opening) = self.opening.try_update_value(Option::take).flatten() {
+            opening.give_up();
+        }
         self.progress.set(None);
     }
 
     /// Says what went wrong.
     pub(crate) fn fail(self, problem: Problem) {
-        self.progress.set(None);
+        self.give_up();
         self.problem.set(Some(problem));
     }
 
@@ -277,19 +355,28 @@ impl Workbench {
     }
 
     /// Shows a scan: what it gave, or which stage failed.
-    fn show(self, lab: Lab, outcome: Result<Outcome, Problem>) {
+    fn show(self, lab: Rc<Lab>, keeping: Rc<Keeping>, outcome: Result<Outcome, Problem>) {
         if let Err(problem) = &outcome
             && problem.stage.is_none_or(|stage| stage < Stage::Spots)
         {
             return self.fail(problem.clone());
         }
+        let record = keeping.record();
+        self.opening.set_value(None);
+        if let Some(before) = self
+            .kept
+            .try_update_value(|kept| kept.replace(keeping))
+            .flatten()
+        {
+            before.leave();
+        }
         self.facts.set(Some(Arc::new(lab.facts().clone())));
-        self.lab.set_value(Some(Rc::new(lab)));
-        self.settings.set(Settings::default());
-        self.corrections.set(Vec::new());
-        self.history.set(History::default());
+        self.lab.set_value(Some(lab));
+        self.settings.set(record.plan.settings);
+        self.corrections.set(record.plan.corrections.clone());
+        self.history.set(record.history);
         self.measuring.set(Measuring::default());
-        self.measured.set_value(Plan::default());
+        self.measured.set_value(record.plan.clone());
         self.stage_problem.set(None);
         self.study.set(None);
         self.studied.set_value(None);
@@ -303,7 +390,13 @@ impl Workbench {
         {
             self.problem.set(Some(problem.clone()));
         }
-        self.take(Plan::default(), outcome);
+        self.take(record.plan, outcome);
+        if record.chosen.is_some() {
+            self.choose(record.chosen);
+        }
+        // From now on what is shown is what is kept.
+        self.kept
+            .with_value(|kept| kept.iter().for_each(|kept| kept.is_shown()));
     }
 
     /// The view in the middle of the scan that has an object point: there is something to see at once.
@@ -543,13 +636,54 @@ impl Workbench {
 
     /// Writes a file of what is shown. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
+        self.at_rest().await;
+        let lab = self.lab.get_value();
+        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
+        lab.write(format, &self.shown.get_value()).await
+    }
+
+    /// Draws a figure of what is shown, or writes it as a table. Settings that were changed just now are
+    /// measured first.
+    pub(crate) async fn figure(self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        self.at_rest().await;
+        let lab = self.lab.get_value();
+        let lab = lab.ok_or_else(|| Problem::own("There is no result to plot."))?;
+        lab.figure((of, form), &self.shown.get_value()).await
+    }
+
+    /// Waits until what is set is measured.
+    async fn at_rest(self) {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
             sleep(LOOK).await;
         }
-        let lab = self.lab.get_value();
-        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
-        lab.write(format, &self.shown.get_value()).await
+    }
+
+    /// What is to be kept of what is being opened.
+    pub(crate) fn on_the_way(self, mut record: Record) -> Record {
+        if let Some(Progress { done, views, .. }) = self.progress.get_untracked() {
+            record.progress = HowFar::Looking { done, views };
+        }
+        record
+    }
+
+    /// What is to be kept of what is shown.
+    pub(crate) fn to_be_kept(self, before: &Record) -> Record {
+        let mut record = before.clone();
+        record.plan = self.plan();
+        record.history = self.history.get_untracked();
+        record.chosen = self.chosen.get_untracked();
+        let views = self
+            .facts
+            .with_untracked(|facts| facts.as_ref().map_or(0, |facts| facts.stations.len()));
+        record.progress = self.outcome.with_untracked(|outcome| match outcome {
+            Some(outcome) => HowFar::Measured {
+                points: outcome.views.iter().map(|view| view.points.len()).sum(),
+                views,
+            },
+            None => HowFar::Stopped { views },
+        });
+        record
     }
 
     fn is_current(self, lab: &Rc<Lab>) -> bool {

@@ -10,7 +10,7 @@
 //! | `packages.rs`, `cache.rs` | the distribution's packages; where what was built once is kept |
 //! | `dist.rs` | what is published, with every address relative |
 //! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
-//! | `page.rs` | the page through Trunk |
+//! | `page.rs`, `finish.rs` | the page through Trunk; its last stroke, which Trunk calls |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
 #![allow(
@@ -19,10 +19,12 @@
     reason = "a command-line tool talks to its terminal"
 )]
 
+mod axe;
 mod bench;
 mod browser;
 mod cache;
 mod dist;
+mod finish;
 mod npm;
 mod packages;
 mod page;
@@ -76,6 +78,10 @@ fn run() -> Result<()> {
         "dist" => {
             no_more(arguments)?;
             dist::run()
+        }
+        "finish" => {
+            no_more(arguments)?;
+            finish::run()
         }
         "npm" => {
             no_more(arguments)?;

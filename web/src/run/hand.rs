@@ -5,18 +5,19 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use futures::channel::oneshot;
-use js_sys::{Array, Uint8Array};
+use js_sys::Uint8Array;
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
-use web_sys::{
-    Blob, BlobPropertyBag, ErrorEvent, MessageEvent, Url, Worker, WorkerOptions, WorkerType,
-};
+use web_sys::{Blob, ErrorEvent, MessageEvent, Url, Worker};
 
-use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
+use super::figure::{FigureForm, FigureOf, Figured};
+use super::messages::{
+    Answer, PictureSet, Question, READY, Reply, Request, Thumbnail, WrittenSpots,
+};
 use super::plan::Plan;
 use super::problem::Problem;
+use super::program::Program;
 use super::report::{Facts, Outcome};
 use super::study::Study;
 
@@ -48,7 +49,8 @@ impl Drop for Hand {
 impl Hand {
     /// Starts a worker and waits until it is there.
     pub(crate) async fn start() -> Result<Self, Problem> {
-        let hand = Self::new().map_err(|e| {
+        let program = Program::get().await?;
+        let hand = Self::new(&program).map_err(|e| {
             Problem::own(format!("The browser did not start a worker: {}", text(&e)))
         })?;
         match hand.open_questions.add(READY).await {
@@ -58,8 +60,8 @@ impl Hand {
         }
     }
 
-    fn new() -> Result<Self, JsValue> {
-        let (worker, script) = start_worker()?;
+    fn new(program: &Program) -> Result<Self, JsValue> {
+        let (worker, script) = program.start()?;
         let open_questions = OpenQuestions::default();
         let questions = open_questions.clone();
         let on_message =
@@ -90,7 +92,11 @@ impl Hand {
     }
 
     /// Has it find the spots of a view.
-    pub(crate) async fn observe(&self, view: usize, settings: Settings) -> Result<Spots, Problem> {
+    pub(crate) async fn observe(
+        &self,
+        view: usize,
+        settings: Settings,
+    ) -> Result<WrittenSpots, Problem> {
         match self.ask(Request::Observe { view, settings }).await? {
             Reply::Observed(spots) => Ok(spots),
             _ => Err(unexpected()),
@@ -98,7 +104,8 @@ impl Hand {
     }
 
     /// Gives it the spots of all views to keep.
-    pub(crate) async fn keep(&self, spots: Vec<Spots>) -> Result<(), Problem> {
+    pub(crate) async fn keep(&self, spots: &[WrittenSpots]) -> Result<(), Problem> {
+        let spots = spots.iter().collect();
         match self.ask(Request::Keep(spots)).await? {
             Reply::Kept => Ok(()),
             _ => Err(unexpected()),
@@ -137,10 +144,26 @@ impl Hand {
         }
     }
 
+    /// Has it draw a figure, or write it as a table.
+    pub(crate) async fn figure(&self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        match self.ask(Request::Figure { of, form }).await? {
+            Reply::Figured(figured) => Ok(figured),
+            _ => Err(unexpected()),
+        }
+    }
+
     /// Has it write a file.
     pub(crate) async fn write(&self, format: Format) -> Result<Uint8Array, Problem> {
         match self.ask(Request::Write(format)).await? {
             Reply::Written(bytes) => Ok(bytes),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it put a note into the archive; says how many of its first bytes stay, and what follows them.
+    pub(crate) async fn note(&self, note: String) -> Result<(f64, Uint8Array), Problem> {
+        match self.ask(Request::Note(note)).await? {
+            Reply::Noted(keep, bytes) => Ok((keep, bytes)),
             _ => Err(unexpected()),
         }
     }
@@ -206,30 +229,4 @@ fn text(error: &JsValue) -> String {
     error
         .dyn_ref::<js_sys::Error>()
         .map_or_else(|| format!("{error:?}"), |error| error.message().into())
-}
-
-#[wasm_bindgen]
-extern "C" {
-    /// Where the script lies that started this program; the worker imports the same.
-    #[wasm_bindgen(thread_local_v2, js_namespace = ["import", "meta"], js_name = url)]
-    static SCRIPT: String;
-}
-
-/// Starts the same program in a worker: a small module imports the page's script and gives it the
-/// WebAssembly that the page has compiled already, so nothing is fetched or compiled again.
-fn start_worker() -> Result<(Worker, String), JsValue> {
-    let script = SCRIPT.with(|url| js_sys::JSON::stringify(&url.into()))?;
-    let source = format!(
-        "import init from {script};\n\
-         onmessage = ({{ data }}) => {{ onmessage = null; init({{ module_or_path: data }}); }};\n"
-    );
-    let kind = BlobPropertyBag::new();
-    kind.set_type("text/javascript");
-    let module = Blob::new_with_str_sequence_and_options(&Array::of1(&source.into()), &kind)?;
-    let address = Url::create_object_url_with_blob(&module)?;
-    let options = WorkerOptions::new();
-    options.set_type(WorkerType::Module);
-    let worker = Worker::new_with_options(&address, &options)?;
-    worker.post_message(&wasm_bindgen::module())?;
-    Ok((worker, address))
 }

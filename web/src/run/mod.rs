@@ -2,6 +2,7 @@
 
 mod blob_reader;
 mod develop;
+mod figure;
 mod hand;
 mod lab;
 mod mesh;
@@ -9,15 +10,18 @@ mod messages;
 mod packed;
 mod plan;
 mod problem;
+mod program;
 mod report;
 mod study;
 pub(crate) mod worker;
 
-pub(crate) use lab::{Lab, Progress};
+pub(crate) use figure::{FigureForm, FigureOf, Figured};
+pub(crate) use lab::{Lab, Progress, with_note};
 pub(crate) use mesh::{Mesh, Through};
-pub(crate) use messages::{PictureSet, Thumbnail};
+pub(crate) use messages::{PictureSet, Thumbnail, WrittenSpots};
 pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
+pub(crate) use program::build;
 pub(crate) use report::{
     Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
 };

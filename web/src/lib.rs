@@ -1,0 +1,46 @@
+//! Snellius in the browser: drop a scan, see the object.
+//!
+//! Two programs are made of this: the page (`main.rs`), which keeps the state in [`state`] and shows it, and
+//! what computes in its workers (`bin/snellius-worker.rs`), which is loaded when the first scan is opened.
+//! What they say to each other is in [`run`]; the picture in 3-D is [`scene`].
+
+// `#[component]` makes a public item of a component's properties, whatever its own visibility.
+#![allow(unreachable_pub)]
+
+mod app;
+mod clipboard;
+mod colours;
+mod files;
+mod history;
+mod lab;
+mod legend;
+mod measuring;
+mod number;
+mod pictures;
+mod plots;
+mod problem_note;
+mod progress;
+mod result;
+mod run;
+mod scene;
+mod sessions;
+mod shortcuts;
+mod stages;
+mod start;
+mod state;
+mod strip;
+mod table;
+
+use wasm_bindgen::JsCast;
+use web_sys::DedicatedWorkerGlobalScope;
+
+/// Shows the page.
+pub fn page() {
+    app::start();
+}
+
+/// Answers the page's questions, in a worker.
+pub fn worker() {
+    let scope = js_sys::global().unchecked_into::<DedicatedWorkerGlobalScope>();
+    run::worker::start(&scope);
+}

@@ -1,0 +1,144 @@
+//! The last stroke of a build of the page. Trunk calls it (`[[hooks]]` in `Trunk.toml`) with the folder in which
+//! it has put everything: the workers' program gets a name of its content, like every other file, and the
+//! service worker a list of what it must keep for a visit without a network.
+
+use std::{
+    collections::BTreeSet,
+    env, fs,
+    hash::{DefaultHasher, Hash, Hasher},
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, ensure};
+
+/// What Trunk calls the workers' program, and what the page asks for.
+const WORKER: &str = "snellius-worker";
+const SERVICE_WORKER: &str = "service-worker.js";
+/// What stands in the service worker for the list of files, and for the name of the build.
+const FILES_MARK: &str = "[/* files */]";
+const BUILD_MARK: &str = "/* build */";
+/// Fetched when somebody opens one, and kept then.
+const NOT_KEPT: [&str; 2] = ["samples", SERVICE_WORKER];
+
+/// Finishes the page in the folder that Trunk names.
+pub(crate) fn run() -> Result<()> {
+    let folder = env::var_os("TRUNK_STAGING_DIR").map(PathBuf::from);
+    finish(&folder.context("only Trunk calls this: TRUNK_STAGING_DIR is not set")?)
+}
+
+fn finish(folder: &Path) -> Result<()> {
+    name_workers_program(folder)?;
+    list_files(folder)
+}
+
+/// A new build has new file names: no browser mixes a page with workers of another build.
+fn name_workers_program(folder: &Path) -> Result<()> {
+    let parts = [".js", "_bg.wasm"].map(|end| (end, folder.join(format!("{WORKER}{end}"))));
+    let mut hasher = DefaultHasher::new();
+    for (_, path) in &parts {
+        read(path)?.hash(&mut hasher);
+    }
+    let name = format!("{WORKER}-{:016x}", hasher.finish());
+    for (end, path) in parts {
+        fs::rename(&path, folder.join(format!("{name}{end}")))?;
+    }
+    replace(
+        &folder.join("index.html"),
+        &format!("content=\"{WORKER}\""),
+        &format!("content=\"{name}\""),
+    )
+}
+
+fn list_files(folder: &Path) -> Result<()> {
+    let mut files = BTreeSet::new();
+    let mut hasher = DefaultHasher::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !NOT_KEPT.contains(&name.as_str()) && entry.file_type()?.is_file() {
+            files.insert(name);
+        }
+    }
+    for name in &files {
+        (name, read(&folder.join(name))?).hash(&mut hasher);
+    }
+    let script = folder.join(SERVICE_WORKER);
+    replace(&script, FILES_MARK, &serde_json::to_string(&files)?)?;
+    replace(&script, BUILD_MARK, &format!("{:016x}", hasher.finish()))
+}
+
+fn replace(path: &Path, mark: &str, by: &str) -> Result<()> {
+    let text = String::from_utf8(read(path)?).with_context(|| path.display().to_string())?;
+    ensure!(
+        text.contains(mark),
+        "{} does not hold {mark:?}",
+        path.display()
+    );
+    fs::write(path, text.replace(mark, by))?;
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A page as Trunk leaves it, in a folder of the test's own.
+    fn built(name: &str, code: &str) -> PathBuf {
+        let folder = env::temp_dir().join(format!("snellius-{name}-{}", std::process::id()));
+        fs::create_dir_all(folder.join("samples")).unwrap();
+        let files = [
+            (
+                "index.html",
+                "<meta name=\"w\" content=\"snellius-worker\" />",
+            ),
+            ("snellius-worker.js", "script"),
+            ("snellius-worker_bg.wasm", code),
+            (
+                SERVICE_WORKER,
+                "const FILES = [/* files */], BUILD = \"/* build */\";",
+            ),
+            ("samples/a.zip", "a"),
+        ];
+        for (file, text) in files {
+            fs::write(folder.join(file), text).unwrap();
+        }
+        folder
+    }
+
+    fn finished(name: &str, code: &str) -> (String, String) {
+        let folder = built(name, code);
+        finish(&folder).unwrap();
+        let text = |file: &str| fs::read_to_string(folder.join(file)).unwrap();
+        let texts = (text("index.html"), text(SERVICE_WORKER));
+        fs::remove_dir_all(folder).unwrap();
+        texts
+    }
+
+    #[test]
+    fn the_page_and_the_list_name_the_workers_program_by_its_content() {
+        let (index, service) = finished("finish", "code");
+        let name = index.split("content=\"").nth(1).unwrap();
+        let name = name.split('"').next().unwrap();
+        assert_eq!(name.len(), "snellius-worker-0123456789abcdef".len());
+        assert!(
+            service.contains(&format!("\"{name}_bg.wasm\"")),
+            "{service}"
+        );
+        assert!(!service.contains("samples"), "{service}");
+        let (other, _) = finished("finish-other", "other code");
+        assert_ne!(index, other);
+    }
+
+    #[test]
+    fn a_page_without_a_place_for_the_name_is_an_error() {
+        let folder = built("finish-nameless", "code");
+        fs::write(folder.join("index.html"), "<html>").unwrap();
+        let error = finish(&folder).unwrap_err().to_string();
+        fs::remove_dir_all(folder).unwrap();
+        assert!(error.contains("index.html"), "{error}");
+    }
+}
