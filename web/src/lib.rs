@@ -24,6 +24,7 @@ mod result;
 mod run;
 mod scene;
 mod sessions;
+mod share;
 mod shortcuts;
 mod stages;
 mod start;

@@ -19,7 +19,7 @@ pub(crate) fn RunningScreen() -> impl IntoView {
     };
     view! {
         <section class="running panel" aria-labelledby="running-title">
-            <h1 id="running-title">"Measuring"</h1>
+            <h1 id="running-title">{move || if progress().views > 0 { "Measuring" } else { "Opening" }}</h1>
             <p class="file-name">{move || workbench.file_name.get()}</p>
             <progress
                 data-testid="progress"

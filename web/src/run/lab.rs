@@ -15,6 +15,7 @@ use web_sys::Blob;
 use super::figure::{FigureForm, FigureOf, Figured};
 use super::hand::Hand;
 use super::messages::{PictureSet, Thumbnail, WrittenSpots};
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
@@ -168,18 +169,38 @@ impl Lab {
         (of, form): (FigureOf, FigureForm),
         plan: &Plan,
     ) -> Result<Figured, Problem> {
-        let measurer = self.measurer_with(plan).await?;
-        let figured = measurer.hand.figure(of, form).await;
-        self.measurer.replace(Some(measurer));
-        figured
+        let figure = async |hand: &Hand| hand.figure(of, form).await;
+        self.of_measured(plan, figure).await
     }
 
     /// Writes a file of what a plan gives.
     pub(crate) async fn write(&self, format: Format, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.write(format).await;
+        self.of_measured(plan, write).await
+    }
+
+    /// Makes a link to what a plan gives.
+    pub(crate) async fn link(&self, plan: &Plan) -> Result<LinkMade, Problem> {
+        let link = async |hand: &Hand| hand.link(plan.settings).await;
+        self.of_measured(plan, link).await
+    }
+
+    /// Writes a one-file page of what a plan gives.
+    pub(crate) async fn page(&self, plan: &Plan, wish: PageWish) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.page(plan.settings, wish).await;
+        self.of_measured(plan, write).await
+    }
+
+    /// Asks the measurer about what a plan gives.
+    async fn of_measured<T>(
+        &self,
+        plan: &Plan,
+        ask: impl AsyncFnOnce(&Hand) -> Result<T, Problem>,
+    ) -> Result<T, Problem> {
         let measurer = self.measurer_with(plan).await?;
-        let written = measurer.hand.write(format).await;
+        let answer = ask(&measurer.hand).await;
         self.measurer.replace(Some(measurer));
-        written
+        answer
     }
 
     /// The measurer, with the result of a plan on its desk.

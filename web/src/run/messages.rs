@@ -11,6 +11,8 @@ use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
 use super::figure::{FigureForm, FigureOf, Figured};
+use super::guest::Guest;
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
@@ -60,6 +62,14 @@ pub(crate) enum Request {
     Write(Format),
     /// Say what must follow the archive's first bytes so that it holds a note. Answered by `Noted`.
     Note(String),
+    /// Open what a link holds; everything after is about it. Answered by `Received`.
+    OpenLink(String),
+    /// Open a file that was passed on; everything after is about it. Answered by `Received`.
+    OpenPassed(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
+    /// Make a link to what was measured last with these settings. Answered by `Linked`.
+    Link(Settings),
+    /// Write a one-file page of what was measured last with these settings. Answered by `Written`.
+    Page(Settings, PageWish),
 }
 
 /// What a worker answers.
@@ -81,6 +91,8 @@ pub(crate) enum Reply {
         f64,
         #[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array,
     ),
+    Received(Box<Guest>),
+    Linked(LinkMade),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.
