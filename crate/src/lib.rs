@@ -23,6 +23,7 @@ pub mod measure;
 pub mod object;
 pub mod optics;
 pub mod pipeline;
+pub mod plot;
 pub mod rig;
 mod robust;
 pub mod scan;

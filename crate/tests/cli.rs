@@ -60,7 +60,7 @@ fn index_says_what_a_scan_cannot_tell_and_draws_the_curves() {
     let csv = fs::read_to_string(curves.join("ray-distance-plain.csv")).unwrap();
     assert_eq!(csv.lines().count(), 202);
     let svg = fs::read_to_string(curves.join("ray-distance-plain.svg")).unwrap();
-    assert!(svg.starts_with("<svg") && svg.contains("<polyline"));
+    assert!(svg.starts_with("<svg") && svg.contains("class=\"line-curve\""));
 }
 
 /// Whoever asks for a method by name and gets no answer is told so by the exit code; the files are written.

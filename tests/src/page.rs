@@ -221,12 +221,48 @@ impl Page<'_> {
         Ok(self.value_of(&reached)? == true)
     }
 
+    /// Clicks a point of an element, given as shares of its size.
+    pub fn click_at(&self, selector: &str, at: (f64, f64)) -> Result<()> {
+        self.clicks_at(selector, at, 1)
+    }
+
+    /// Clicks it twice.
+    pub fn double_click_at(&self, selector: &str, at: (f64, f64)) -> Result<()> {
+        self.clicks_at(selector, at, 2)
+    }
+
+    fn clicks_at(&self, selector: &str, at: (f64, f64), count: u32) -> Result<()> {
+        let point = self.area_at_rest(selector)?.point(at);
+        self.mouse("mouseMoved", point, json!({}))?;
+        for number in 1..=count {
+            let button = json!({ "button": "left", "clickCount": number });
+            self.mouse("mousePressed", point, button.clone())?;
+            self.mouse("mouseReleased", point, button)?;
+        }
+        Ok(())
+    }
+
     /// Drags with the left button between two points of an element, given as shares of its size.
     pub fn drag(&self, selector: &str, from: (f64, f64), to: (f64, f64)) -> Result<()> {
+        self.drag_with(("left", 1), selector, from, to)
+    }
+
+    /// Likewise, with the right button.
+    pub fn drag_right(&self, selector: &str, from: (f64, f64), to: (f64, f64)) -> Result<()> {
+        self.drag_with(("right", 2), selector, from, to)
+    }
+
+    fn drag_with(
+        &self,
+        (button, buttons): (&str, u32),
+        selector: &str,
+        from: (f64, f64),
+        to: (f64, f64),
+    ) -> Result<()> {
         const STEPS: u32 = 12;
         let area = self.area_at_rest(selector)?;
         let (start, end) = (area.point(from), area.point(to));
-        let held = json!({ "button": "left", "buttons": 1, "clickCount": 1 });
+        let held = json!({ "button": button, "buttons": buttons, "clickCount": 1 });
         self.mouse("mouseMoved", start, json!({}))?;
         self.mouse("mousePressed", start, held.clone())?;
         for step in 1..=STEPS {
@@ -235,13 +271,42 @@ impl Page<'_> {
             let point = (between(start.0, end.0), between(start.1, end.1));
             self.mouse("mouseMoved", point, held.clone())?;
         }
-        let released = json!({ "button": "left", "clickCount": 1 });
+        let released = json!({ "button": button, "clickCount": 1 });
         self.mouse("mouseReleased", end, released)
+    }
+
+    /// Draws fingers over an element: each from a point to another one, given as shares of its size.
+    pub fn touch(&self, selector: &str, fingers: &[[(f64, f64); 2]]) -> Result<()> {
+        const STEPS: u32 = 12;
+        let area = self.area_at_rest(selector)?;
+        let touching = |share: f64| {
+            let fingers = fingers.iter().enumerate();
+            let points = fingers.map(|(id, [from, to])| {
+                let between = |a: f64, b: f64| a + share * (b - a);
+                let (x, y) = area.point((between(from.0, to.0), between(from.1, to.1)));
+                json!({ "x": x, "y": y, "id": id })
+            });
+            points.collect::<Vec<_>>()
+        };
+        let touch = |kind: &str, points: Vec<Value>| {
+            let event = json!({ "type": kind, "touchPoints": points });
+            self.call("Input.dispatchTouchEvent", event).map(drop)
+        };
+        touch("touchStart", touching(0.0))?;
+        for step in 1..=STEPS {
+            touch("touchMove", touching(f64::from(step) / f64::from(STEPS)))?;
+        }
+        touch("touchEnd", vec![])
     }
 
     /// Turns the wheel over the middle of an element; positive scrolls down.
     pub fn wheel(&self, selector: &str, pixels: f64) -> Result<()> {
-        let point = self.area_at_rest(selector)?.point((0.5, 0.5));
+        self.wheel_at(selector, (0.5, 0.5), pixels)
+    }
+
+    /// Likewise, over a point given as shares of its size.
+    pub fn wheel_at(&self, selector: &str, at: (f64, f64), pixels: f64) -> Result<()> {
+        let point = self.area_at_rest(selector)?.point(at);
         let turn = json!({ "deltaX": 0, "deltaY": pixels });
         self.mouse("mouseWheel", point, turn)
     }
@@ -293,6 +358,23 @@ impl Page<'_> {
         self.call("DOM.setFileInputFiles", parameters)
             .with_context(|| format!("cannot choose {files:?} in `{selector}`"))
             .map(drop)
+    }
+
+    /// Chooses an entry of a `select` by its value.
+    pub fn choose_option(&self, selector: &str, value: &str) -> Result<()> {
+        self.wait_visible(selector)?;
+        let chosen = self.value_of(&format!(
+            "(() => {{
+                const list = {};
+                list.value = {};
+                list.dispatchEvent(new Event('change', {{ bubbles: true }}));
+                return list.value;
+            }})()",
+            query(selector),
+            quoted(value)
+        ))?;
+        ensure!(chosen == value, "`{selector}` has no entry {value:?}");
+        Ok(())
     }
 
     /// Drags files from outside over an element and drops them there.
@@ -354,14 +436,43 @@ impl Page<'_> {
         self.wait_until("the new size", &format!("innerWidth === {width}"))
     }
 
+    /// Holds back whatever is fetched from addresses of a pattern (`*`, `?`), until it is let through.
+    pub fn hold_back(&self, pattern: &str) -> Result<()> {
+        let patterns = json!({ "patterns": [{ "urlPattern": pattern }] });
+        self.call("Fetch.enable", patterns).map(drop)
+    }
+
+    /// Lets through what was held back.
+    pub fn let_through(&self) -> Result<()> {
+        self.call("Fetch.disable", json!({})).map(drop)
+    }
+
     /// Says that the person prefers `light` or `dark` pages.
     pub fn prefer_scheme(&self, scheme: &str) -> Result<()> {
-        let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.prefer(&[("prefers-color-scheme", scheme)])
+    }
+
+    /// Likewise, and that nothing shall move or fade.
+    pub fn prefer_scheme_at_rest(&self, scheme: &str) -> Result<()> {
+        self.prefer(&[
+            ("prefers-color-scheme", scheme),
+            ("prefers-reduced-motion", "reduce"),
+        ])
+    }
+
+    fn prefer(&self, wishes: &[(&str, &str)]) -> Result<()> {
+        let features = wishes.iter();
+        let features = features.map(|(name, value)| json!({ "name": name, "value": value }));
+        let features: Vec<Value> = features.collect();
         self.call(
             "Emulation.setEmulatedMedia",
             json!({ "features": features }),
-        )
-        .map(drop)
+        )?;
+        for (name, value) in wishes {
+            let applies = format!("matchMedia('({name}: {value})').matches");
+            self.wait_until(&format!("{name}: {value}"), &applies)?;
+        }
+        Ok(())
     }
 }
 

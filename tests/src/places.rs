@@ -53,6 +53,19 @@ pub fn npm_package() -> Result<PathBuf> {
     Ok(package)
 }
 
+/// The script of axe-core, which finds faults of accessibility.
+pub fn axe() -> Result<PathBuf> {
+    let usual = || root().join("target").join("npm").join("axe");
+    let folder = variable("SNELLIUS_AXE").unwrap_or_else(usual);
+    let script = folder.join("node_modules/axe-core/axe.min.js");
+    ensure!(
+        script.is_file(),
+        "no axe-core at {}; run `cargo xtask test`",
+        script.display()
+    );
+    Ok(script)
+}
+
 /// The tests run from `target/debug/deps`.
 fn companion_beside_tests() -> Result<PathBuf> {
     let this = std::env::current_exe()?;

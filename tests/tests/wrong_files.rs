@@ -108,3 +108,40 @@ fn a_wrong_file_dropped_on_the_page() -> Result<()> {
         still_works(workbench)
     })
 }
+
+#[test]
+fn what_went_wrong_is_copied_with_version_and_details() -> Result<()> {
+    with_workbench("copy-details", |workbench| {
+        let page = workbench.page;
+        let alert = alert_about(workbench, "letters.zip", b"n1 sin t1 = n2 sin t2")?;
+        page.value_of(
+            "void (navigator.clipboard.writeText = text => {
+                window.copied = text;
+                return Promise.resolve();
+            })",
+        )?;
+        workbench.click("copy-details")?;
+        page.wait_text(&part("copy-details"), "Copied")?;
+        let copied = page.value_of("window.copied")?;
+        let copied = copied.as_str().unwrap_or_default();
+        let cause = alert.lines().next().unwrap_or_default();
+        for word in [
+            cause,
+            env!("CARGO_PKG_VERSION"),
+            "next step:",
+            "letters.zip",
+            "Chrome",
+        ] {
+            ensure!(copied.contains(word), "{copied:?} lacks {word:?}");
+        }
+
+        // A browser that forbids it: the details are shown, to be copied by hand.
+        alert_about(workbench, "more-letters.zip", b"sin t1 / sin t2 = n2 / n1")?;
+        page.value_of(
+            "void (navigator.clipboard.writeText = () => Promise.reject(new Error('no')))",
+        )?;
+        workbench.click("copy-details")?;
+        page.wait_text(".problem-details", "more-letters.zip")?;
+        page.screenshot("details-by-hand").map(drop)
+    })
+}

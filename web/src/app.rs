@@ -7,9 +7,11 @@ use web_sys::{DragEvent, Element};
 use crate::files::{self, FILE_INPUT};
 use crate::history::History;
 use crate::lab::Lab;
+use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
+use crate::sessions;
 use crate::share;
 use crate::shortcuts::{self, HelpSheet};
 use crate::start::StartScreen;
@@ -23,10 +25,14 @@ pub(crate) fn start() {
             let _ = root.set_attribute("data-state", "failed");
             let _ = root.set_attribute("data-broken", "");
         }
+        if let Some(details) = document().get_element_by_id("broken-details") {
+            details.set_text_content(Some(&format!("Snellius {}\n{panic}", snellius::VERSION)));
+        }
     }));
     if let Some(shell) = document().get_element_by_id("shell") {
         shell.remove();
     }
+    sessions::sweep();
     mount::mount_to_body(App);
 }
 
@@ -170,15 +176,10 @@ fn FileInput() -> impl IntoView {
 #[component]
 fn ProblemNote() -> impl IntoView {
     let workbench = Workbench::get();
-    let shown = move |Problem {
-                          cause, next_step, ..
-                      }: Problem| {
+    let shown = move |problem: Problem| {
         view! {
             <div class="problem" role="alert" data-testid="error">
-                <div>
-                    <p class="cause">{cause}</p>
-                    <p>{next_step}</p>
-                </div>
+                <ProblemText problem />
                 <button
                     type="button"
                     class="quiet"

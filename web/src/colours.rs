@@ -1,5 +1,7 @@
 //! Colours that carry a value: colour-blind-safe maps for quantities and hues for sweeps.
 
+use snellius::plot::sweep_colour;
+
 use crate::run::{Facts, ObjectPoint, Outcome, VesselPoint};
 use crate::state::ColourBy;
 
@@ -188,21 +190,9 @@ const PURPLE_ORANGE: [[u8; 3]; 9] = [
     [179, 88, 6],
 ];
 
-/// The hues of Okabe and Ito, which the common kinds of colour blindness keep apart; the first ones are
-/// those that differ most.
-const HUES: [[u8; 3]; 7] = [
-    [0, 114, 178],
-    [230, 159, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [86, 180, 233],
-    [213, 94, 0],
-    [240, 228, 66],
-];
-
-/// The colour of a sweep.
+/// The colour of a sweep, in the scene as in the plots.
 pub(crate) fn hue(sweep: usize) -> [u8; 3] {
-    HUES[sweep % HUES.len()]
+    sweep_colour(sweep as u32)
 }
 
 /// A colour as CSS writes it.

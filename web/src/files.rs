@@ -75,13 +75,23 @@ pub(crate) fn save(bytes: &Uint8Array, name: &str, kind: &str) -> Result<(), JsV
     let options = BlobPropertyBag::new();
     options.set_type(kind);
     let blob = Blob::new_with_u8_array_sequence_and_options(&Array::of1(bytes), &options)?;
-    let address = Url::create_object_url_with_blob(&blob)?;
+    save_blob(&blob, name)
+}
+
+/// Likewise, of what need not be in memory.
+pub(crate) fn save_blob(blob: &Blob, name: &str) -> Result<(), JsValue> {
+    let address = Url::create_object_url_with_blob(blob)?;
     let link: HtmlAnchorElement = document().create_element("a")?.unchecked_into();
     link.set_href(&address);
     link.set_download(name);
     link.click();
     revoke_later(address);
     Ok(())
+}
+
+/// Saves a text likewise.
+pub(crate) fn save_text(text: &str, name: &str, kind: &str) -> Result<(), JsValue> {
+    save(&Uint8Array::from(text.as_bytes()), name, kind)
 }
 
 /// The browser needs the address until it has begun to save.

@@ -8,6 +8,7 @@
 #![allow(unreachable_pub)]
 
 mod app;
+mod clipboard;
 mod colours;
 mod files;
 mod history;
@@ -16,10 +17,13 @@ mod legend;
 mod measuring;
 mod number;
 mod pictures;
+mod plots;
+mod problem_note;
 mod progress;
 mod result;
 mod run;
 mod scene;
+mod sessions;
 mod share;
 mod shortcuts;
 mod stages;

@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use snellius::measure::{
-    MeasureError, Measured, Sample, distance, flatness, plane_angle, sphere_radius,
+    MeasureError, Measured, Sample, cylinder_radius, distance, flatness, plane_angle, sphere_radius,
 };
 
 use crate::number::fixed;
@@ -15,6 +15,7 @@ pub(crate) enum Quantity {
     Distance,
     Angle,
     Radius,
+    RodRadius,
     Flatness,
 }
 
@@ -33,7 +34,7 @@ pub(crate) struct Measuring {
 }
 
 /// The quantities with their words.
-const QUANTITIES: [(Option<Quantity>, &str, &str, &str); 5] = [
+const QUANTITIES: [(Option<Quantity>, &str, &str, &str); 6] = [
     (None, "off", "Off", ""),
     (
         Some(Quantity::Distance),
@@ -52,6 +53,12 @@ const QUANTITIES: [(Option<Quantity>, &str, &str, &str); 5] = [
         "radius",
         "Radius of a ball",
         "Pick four or more points of the ball.",
+    ),
+    (
+        Some(Quantity::RodRadius),
+        "rod-radius",
+        "Radius of a cylinder",
+        "Pick six or more points of the cylinder's side.",
     ),
     (
         Some(Quantity::Flatness),
@@ -109,6 +116,7 @@ impl Measuring {
                 enough.then(|| plane_angle(&one, &other).map(in_degrees))
             }
             Quantity::Radius => (one.len() >= 4).then(|| sphere_radius(&one)),
+            Quantity::RodRadius => (one.len() >= 6).then(|| cylinder_radius(&one)),
             Quantity::Flatness => (one.len() >= 4).then(|| flatness(&one)),
         }
     }

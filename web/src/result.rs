@@ -3,6 +3,7 @@
 use leptos::prelude::*;
 
 use crate::pictures::Pictures;
+use crate::plots::Plots;
 use crate::scene::Scene;
 use crate::share::GuestNote;
 use crate::stages::Stages;
@@ -30,6 +31,7 @@ pub(crate) fn ResultScreen() -> impl IntoView {
                     <Strip />
                     <Pictures />
                 </Show>
+                <Plots />
                 <ViewsTable />
             </Show>
         </div>

@@ -15,9 +15,10 @@ use web_sys::Blob;
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    About, Facts, Guest, Hand, Lab, LinkMade, Outcome, PageWish, PictureSet, Plan, Problem,
-    ProblemKind, Progress, Study, Thumbnail, sleep,
+    About, Facts, FigureForm, FigureOf, Figured, Guest, Hand, Lab, LinkMade, Outcome, PageWish,
+    PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
 };
+use crate::sessions::{Found, HowFar, Keeping, Record, Session};
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,35 @@ pub(crate) enum Look {
     Above,
 }
 
+/// Only a slab of the scene is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Section {
+    /// Across what; nothing, and everything is shown.
+    pub(crate) axis: Option<SectionAxis>,
+    /// Where its middle is, from the first point (0) to the last (1).
+    pub(crate) middle: f32,
+    /// How thick it is, as a part of the whole.
+    pub(crate) thickness: f32,
+}
+
+/// What a section goes across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SectionAxis {
+    Depth,
+    Height,
+    Width,
+}
+
+impl Default for Section {
+    fn default() -> Self {
+        Self {
+            axis: None,
+            middle: 0.5,
+            thickness: 0.25,
+        }
+    }
+}
+
 /// What the scene is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SceneCommand {
@@ -65,6 +95,8 @@ pub(crate) enum SceneCommand {
     FitAll,
     /// Turn the camera.
     Look(Look),
+    /// Save what is seen, without a ground if it shall be transparent.
+    Picture { transparent: bool },
 }
 
 /// Changed settings that are being measured.
@@ -114,6 +146,10 @@ pub(crate) struct Workbench {
     pub(crate) shown_range: RwSignal<[f32; 2]>,
     /// The object is shown where it is (1), where it would be without refraction (0), or between.
     pub(crate) refraction: RwSignal<f32>,
+    /// Which slab of the scene is shown.
+    pub(crate) section: RwSignal<Section>,
+    /// Error ellipsoids are drawn so many times as large as they are; none, and there are none.
+    pub(crate) ellipsoids: RwSignal<Option<f32>>,
     /// The scene without perspective.
     pub(crate) orthographic: RwSignal<bool>,
     /// What the scene was told last.
@@ -123,6 +159,10 @@ pub(crate) struct Workbench {
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
+    /// Who keeps what is opened, until it is shown,
+    opening: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
+    /// and who keeps what is shown.
+    kept: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
     /// The worker that has what came without its archive.
     guest_hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
@@ -155,11 +195,15 @@ impl Workbench {
             measuring: RwSignal::new(Measuring::default()),
             shown_range: RwSignal::new([0.0, 1.0]),
             refraction: RwSignal::new(1.0),
+            section: RwSignal::new(Section::default()),
+            ellipsoids: RwSignal::new(None),
             orthographic: RwSignal::new(false),
             command: RwSignal::new(None),
             help: RwSignal::new(false),
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
+            opening: StoredValue::new_local(None),
+            kept: StoredValue::new_local(None),
             guest_hand: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
@@ -235,26 +279,43 @@ impl Workbench {
 
     /// Measures a file. What is shown stays until the new scan is measured.
     pub(crate) fn open(self, file: Blob, name: String) {
-        self.cancel();
-        self.problem.set(None);
-        self.file_name.set(name);
-        self.progress.set(Some(Progress::default()));
+        let record = Record::new(&name);
+        self.go_on(file, record, Vec::new(), None);
+    }
+
+    /// Goes on with a session: its scan, how that was measured, and the spots that were found.
+    pub(crate) fn go_on(
+        self,
+        file: Blob,
+        record: Record,
+        found: Vec<Found>,
+        session: Option<Session>,
+    ) {
+        let keeping = Rc::new(Keeping::new(record));
+        let kept = Rc::clone(&keeping);
+        let archive = file.clone();
         let tell = move |progress| self.progress.set(Some(progress));
         let first_run = async move {
-            let lab = Lab::open(file).await?;
-            let outcome = lab.measure(&Plan::default(), tell).await;
-            Ok((lab, outcome))
-        };
-        let (running, handle) = abortable(first_run);
-        self.cancel.set_value(Some(handle));
-        spawn_local(async move {
-            match running.await {
-                Ok(Ok((lab, outcome))) => self.show(lab, outcome),
-                Ok(Err(problem)) => self.fail(problem),
-                // Whoever cancelled has put the page in order.
-                Err(Aborted) => {}
+            let lab = Rc::new(Lab::open(file).await?);
+            if let Some(packed) = lab.facts().session.as_deref() {
+                keeping.take_over(packed);
             }
+            let plan = keeping.record().plan;
+            for found in found {
+                if found.settings == plan.settings.spots {
+                    lab.remember(found.settings, found.spots);
+                }
+            }
+            keeping.measures(&lab);
+            let outcome = lab.measure(&plan, tell).await;
+            Ok((lab, keeping, outcome))
+        };
+        let name = kept.record().file_name;
+        self.wait_for(name, first_run, move |(lab, keeping, outcome)| {
+            self.show(lab, keeping, outcome);
         });
+        self.opening.set_value(Some(Rc::clone(&kept)));
+        spawn_local(kept.keep(self, archive, session));
     }
 
     /// Shows a reconstruction that comes without its archive: in a link, or in a file. What is shown stays
@@ -309,12 +370,20 @@ impl Workbench {
         if let Some(handle) = self.cancel.try_update_value(Option::take).flatten() {
             handle.abort();
         }
+        self.give_up();
+    }
+
+    /// What was being opened is not shown any more.
+    fn give_up(self) {
+        if let Some(opening) = self.opening.try_update_value(Option::take).flatten() {
+            opening.give_up();
+        }
         self.progress.set(None);
     }
 
     /// Says what went wrong.
     pub(crate) fn fail(self, problem: Problem) {
-        self.progress.set(None);
+        self.give_up();
         self.problem.set(Some(problem));
     }
 
@@ -331,30 +400,42 @@ impl Workbench {
     }
 
     /// Shows a scan: what it gave, or which stage failed.
-    fn show(self, lab: Lab, outcome: Result<Outcome, Problem>) {
+    fn show(self, lab: Rc<Lab>, keeping: Rc<Keeping>, outcome: Result<Outcome, Problem>) {
         if let Err(problem) = &outcome
             && problem.stage.is_none_or(|stage| stage < Stage::Spots)
         {
             return self.fail(problem.clone());
         }
-        self.clear(lab.facts().clone(), Plan::default());
-        self.lab.set_value(Some(Rc::new(lab)));
+        let record = keeping.record();
+        self.opening.set_value(None);
+        self.clear(lab.facts().clone(), record.plan.clone());
+        self.history.set(record.history);
+        self.lab.set_value(Some(lab));
+        self.kept.set_value(Some(Rc::clone(&keeping)));
         if let Err(problem) = &outcome
             && problem.kind != ProblemKind::IndexWanted
         {
             self.problem.set(Some(problem.clone()));
         }
-        self.take(Plan::default(), outcome);
+        self.take(record.plan, outcome);
+        if record.chosen.is_some() {
+            self.choose(record.chosen);
+        }
+        // From now on what is shown is what is kept.
+        keeping.is_shown();
     }
 
     /// Makes room for another scan.
     fn clear(self, facts: Facts, plan: Plan) {
+        if let Some(kept) = self.kept.try_update_value(Option::take).flatten() {
+            kept.leave();
+        }
         self.lab.set_value(None);
         self.guest_hand.set_value(None);
         self.guest.set(None);
         self.facts.set(Some(Arc::new(facts)));
         self.settings.set(plan.settings);
-        self.corrections.set(Vec::new());
+        self.corrections.set(plan.corrections.clone());
         self.history.set(History::default());
         self.measuring.set(Measuring::default());
         self.measured.set_value(plan);
@@ -632,6 +713,16 @@ impl Workbench {
         lab.page(&self.shown.get_value(), wish).await
     }
 
+    /// Draws a figure of what is shown, or writes it as a table. Settings that were changed just now are
+    /// measured first.
+    pub(crate) async fn figure(self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.figure(of, form).await;
+        }
+        let lab = self.settled_lab().await?;
+        lab.figure((of, form), &self.shown.get_value()).await
+    }
+
     /// The lab once it is at rest.
     async fn settled_lab(self) -> Result<Rc<Lab>, Problem> {
         const LOOK: i32 = 20;
@@ -640,6 +731,33 @@ impl Workbench {
         }
         let lab = self.lab.get_value();
         lab.ok_or_else(|| Problem::own("There is no result to save."))
+    }
+
+    /// What is to be kept of what is being opened.
+    pub(crate) fn on_the_way(self, mut record: Record) -> Record {
+        if let Some(Progress { done, views, .. }) = self.progress.get_untracked() {
+            record.progress = HowFar::Looking { done, views };
+        }
+        record
+    }
+
+    /// What is to be kept of what is shown.
+    pub(crate) fn to_be_kept(self, before: &Record) -> Record {
+        let mut record = before.clone();
+        record.plan = self.plan();
+        record.history = self.history.get_untracked();
+        record.chosen = self.chosen.get_untracked();
+        let views = self
+            .facts
+            .with_untracked(|facts| facts.as_ref().map_or(0, |facts| facts.stations.len()));
+        record.progress = self.outcome.with_untracked(|outcome| match outcome {
+            Some(outcome) => HowFar::Measured {
+                points: outcome.views.iter().map(|view| view.points.len()).sum(),
+                views,
+            },
+            None => HowFar::Stopped { views },
+        });
+        record
     }
 
     fn is_current(self, lab: &Rc<Lab>) -> bool {

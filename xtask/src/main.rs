@@ -21,6 +21,7 @@
     reason = "a command-line tool talks to its terminal"
 )]
 
+mod axe;
 mod bench;
 mod browser;
 mod cache;

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use crate::{
-    browser,
+    axe, browser,
     process::{cargo, output_of, program, run},
     python,
     tools::Tools,
@@ -21,6 +21,7 @@ pub(crate) fn everything() -> Result<()> {
     page_tools()?;
     browser::find_or_install()?;
     python::ensure()?;
+    axe::ensure()?;
     println!("everything is there");
     Ok(())
 }

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, bail, ensure};
 use lexopt::prelude::*;
 
 use crate::{
-    browser, dist, npm, page,
+    axe, browser, dist, npm, page,
     process::{
         Count, build_directory, cargo, executable, program, root, run as run_to_end, run_tests,
     },
@@ -332,6 +332,7 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
     if !package.join("package.json").is_file() {
         npm::build()?;
     }
+    let axe = axe::ensure()?;
     let browser = browser::find_or_install()?;
     let companion = companion()?;
     let mut tests: Command = cargo(["test", "--no-fail-fast", "--package", "snellius-tests"]);
@@ -340,6 +341,7 @@ fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {
         .env("SNELLIUS_DIST", dist)
         .env("SNELLIUS_CLI", companion)
         .env("SNELLIUS_NPM", package)
+        .env("SNELLIUS_AXE", axe)
         .env(
             "SNELLIUS_SCREENSHOTS",
             root().join("target").join("e2e-screenshots"),

@@ -48,7 +48,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn write(folder: &Path, study: &IndexStudy) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
     for drawn in drawn(study) {
-        for (ending, text) in [("csv", csv(&drawn)), ("svg", svg(&drawn))] {
+        // A curve without a value anywhere is a table of blanks, and no drawing.
+        let files = [("csv", Some(csv(&drawn))), ("svg", svg(&drawn).ok())];
+        for (ending, text) in files {
+            let Some(text) = text else { continue };
             let path = folder.join(format!("{}.{ending}", drawn.name));
             fs::write(&path, text).map_err(|e| Failure::file(&path, e))?;
         }

@@ -6,6 +6,7 @@
 mod csv;
 #[cfg(feature = "e57")]
 mod e57;
+mod figures;
 mod format;
 mod glb;
 mod header;
@@ -27,6 +28,7 @@ pub use self::e57::object_e57;
 pub use self::las::object_las;
 pub use crate::spots::SpotRole;
 pub use csv::{object_csv, points_csv};
+pub use figures::{IndexFigure, ResultFigure};
 pub use format::{ExportError, Format};
 pub use glb::scene_glb;
 pub use mesh::{Mesh, object_mesh};

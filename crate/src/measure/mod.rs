@@ -1,9 +1,11 @@
 //! Measuring on the object: lengths, angles, radii and flatness, each with its standard deviation from the
 //! noise of its points. Errors of calibration and index are common to all points and come on top.
 
+mod cylinder;
 mod plane;
 mod sphere;
 
+pub use cylinder::cylinder_radius;
 pub use plane::{flatness, plane_angle};
 pub use sphere::sphere_radius;
 
@@ -54,11 +56,13 @@ pub enum MeasureError {
     /// No plane goes through the points.
     #[error(transparent)]
     Plane(#[from] FitError),
-    /// Four points make a sphere.
-    #[error("{found} points, and a sphere needs at least 4")]
+    /// A sphere or a cylinder needs more points.
+    #[error("{found} points, and at least {needed} are needed")]
     TooFewPoints {
         /// How many there are.
         found: usize,
+        /// How many it takes.
+        needed: usize,
     },
     /// The points lie too flat for a radius.
     #[error("the points do not determine a radius: they lie on a plane to within their noise")]

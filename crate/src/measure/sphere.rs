@@ -12,6 +12,7 @@ pub fn sphere_radius(samples: &[Sample]) -> Result<Measured, MeasureError> {
     if samples.len() < 4 {
         return Err(MeasureError::TooFewPoints {
             found: samples.len(),
+            needed: 4,
         });
     }
     let mut ball = start(samples)?;
@@ -140,7 +141,10 @@ mod tests {
         assert_eq!(sphere_radius(&flat), Err(MeasureError::NoRadius));
         assert_eq!(
             sphere_radius(&flat[..3]),
-            Err(MeasureError::TooFewPoints { found: 3 })
+            Err(MeasureError::TooFewPoints {
+                found: 3,
+                needed: 4
+            })
         );
     }
 }

@@ -6,8 +6,9 @@ use leptos::ev;
 use leptos::prelude::*;
 use snellius::lab::{Bench, Lesson, Light, link};
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::JsFuture;
 use wasm_bindgen_futures::spawn_local;
+
+use crate::clipboard::write_to_clipboard;
 
 /// The lab's state; copies mean the same one.
 #[derive(Clone, Copy)]
@@ -156,20 +157,6 @@ fn mark_root(name: &str, marked: bool) {
 pub(super) fn has_mark(name: &str) -> bool {
     let root = document().document_element();
     root.is_some_and(|root| root.has_attribute(name))
-}
-
-/// `None` where the browser has no clipboard for this page, or forbids it.
-async fn write_to_clipboard(text: &str) -> Option<()> {
-    let navigator = window().navigator();
-    let clipboard = js_sys::Reflect::get(&navigator, &"clipboard".into()).ok()?;
-    // Missing where the page is not served securely.
-    if clipboard.is_undefined() {
-        return None;
-    }
-    JsFuture::from(navigator.clipboard().write_text(text))
-        .await
-        .ok()
-        .map(drop)
 }
 
 /// The lab fills the screen, or does no longer.

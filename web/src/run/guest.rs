@@ -121,6 +121,7 @@ fn facts_of(document: &Document) -> Facts {
         stand: None,
     };
     Facts {
+        session: None,
         name: document.title.clone(),
         given_index: document.result.media.inside.value,
         declared_shape: VesselShape::Auto,

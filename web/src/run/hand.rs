@@ -8,12 +8,14 @@ use futures::channel::oneshot;
 use js_sys::Uint8Array;
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, ErrorEvent, MessageEvent, Url, Worker};
 
+use super::figure::{FigureForm, FigureOf, Figured};
 use super::guest::Guest;
-use super::messages::{Answer, PictureSet, Question, READY, Reply, Request, Thumbnail};
+use super::messages::{
+    Answer, PictureSet, Question, READY, Reply, Request, Thumbnail, WrittenSpots,
+};
 use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
@@ -92,7 +94,11 @@ impl Hand {
     }
 
     /// Has it find the spots of a view.
-    pub(crate) async fn observe(&self, view: usize, settings: Settings) -> Result<Spots, Problem> {
+    pub(crate) async fn observe(
+        &self,
+        view: usize,
+        settings: Settings,
+    ) -> Result<WrittenSpots, Problem> {
         match self.ask(Request::Observe { view, settings }).await? {
             Reply::Observed(spots) => Ok(spots),
             _ => Err(unexpected()),
@@ -100,7 +106,8 @@ impl Hand {
     }
 
     /// Gives it the spots of all views to keep.
-    pub(crate) async fn keep(&self, spots: Vec<Spots>) -> Result<(), Problem> {
+    pub(crate) async fn keep(&self, spots: &[WrittenSpots]) -> Result<(), Problem> {
+        let spots = spots.iter().collect();
         match self.ask(Request::Keep(spots)).await? {
             Reply::Kept => Ok(()),
             _ => Err(unexpected()),
@@ -139,10 +146,26 @@ impl Hand {
         }
     }
 
+    /// Has it draw a figure, or write it as a table.
+    pub(crate) async fn figure(&self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
+        match self.ask(Request::Figure { of, form }).await? {
+            Reply::Figured(figured) => Ok(figured),
+            _ => Err(unexpected()),
+        }
+    }
+
     /// Has it write a file.
     pub(crate) async fn write(&self, format: Format) -> Result<Uint8Array, Problem> {
         match self.ask(Request::Write(format)).await? {
             Reply::Written(bytes) => Ok(bytes),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it put a note into the archive; says how many of its first bytes stay, and what follows them.
+    pub(crate) async fn note(&self, note: String) -> Result<(f64, Uint8Array), Problem> {
+        match self.ask(Request::Note(note)).await? {
+            Reply::Noted(keep, bytes) => Ok((keep, bytes)),
             _ => Err(unexpected()),
         }
     }

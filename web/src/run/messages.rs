@@ -7,16 +7,20 @@ use js_sys::{Array, Int32Array, Uint8Array, Uint8ClampedArray, Uint16Array};
 use serde::{Deserialize, Serialize};
 use snellius::export::Format;
 use snellius::pipeline::Settings;
-use snellius::spots::Spots;
 use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
+use super::figure::{FigureForm, FigureOf, Figured};
 use super::guest::Guest;
 use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
 use super::study::Study;
+
+/// The spots of a view as one worker writes them for another (JSON). The page hands them on unread: to take
+/// the thousands of a line apart would keep its thread from everything else.
+pub(crate) type WrittenSpots = Uint8Array;
 
 /// A question with its number.
 #[derive(Serialize, Deserialize)]
@@ -42,8 +46,8 @@ pub(crate) enum Request {
     Open(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
     /// Find the spots of a view. Answered by `Observed`.
     Observe { view: usize, settings: Settings },
-    /// Keep the spots of all views. Answered by `Kept`.
-    Keep(Vec<Spots>),
+    /// Keep the spots of all views: an array of [`WrittenSpots`]. Answered by `Kept`.
+    Keep(#[serde(with = "serde_wasm_bindgen::preserve")] Array),
     /// Measure vessel and object from the spots kept. Answered by `Measured`.
     Measure(Box<Plan>),
     /// Say what the spots kept tell of the liquid's index. Answered by `Studied`.
@@ -52,8 +56,12 @@ pub(crate) enum Request {
     Pictures { view: usize },
     /// Decode a view's picture, small. Answered by `Thumbnail`.
     Thumbnail { view: usize },
+    /// Draw a figure of what was measured last, or write it as a table. Answered by `Figured`.
+    Figure { of: FigureOf, form: FigureForm },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
+    /// Say what must follow the archive's first bytes so that it holds a note. Answered by `Noted`.
+    Note(String),
     /// Open what a link holds; everything after is about it. Answered by `Received`.
     OpenLink(String),
     /// Open a file that was passed on; everything after is about it. Answered by `Received`.
@@ -70,13 +78,19 @@ pub(crate) enum Reply {
     /// The worker runs.
     Ready,
     Opened(Box<Facts>),
-    Observed(Spots),
+    Observed(#[serde(with = "serde_wasm_bindgen::preserve")] WrittenSpots),
     Kept,
     Measured(Box<Outcome>),
     Studied(Box<Study>),
     Pictures(PictureSet),
     Thumbnail(Thumbnail),
+    Figured(Figured),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
+    /// How many of the archive's first bytes stay, and what follows them.
+    Noted(
+        f64,
+        #[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array,
+    ),
     Received(Box<Guest>),
     Linked(LinkMade),
     /// The input is at fault; the worker goes on.
@@ -90,7 +104,9 @@ impl Reply {
     pub(crate) fn transfer(&self) -> Array {
         match self {
             Self::Pictures(set) => set.buffers(),
-            Self::Written(bytes) => Array::of1(&bytes.buffer()),
+            Self::Observed(bytes) | Self::Written(bytes) | Self::Noted(_, bytes) => {
+                Array::of1(&bytes.buffer())
+            }
             Self::Thumbnail(thumbnail) => Array::of1(&thumbnail.pixels.buffer()),
             _ => Array::new(),
         }

@@ -2,6 +2,7 @@
 
 mod blob_reader;
 mod develop;
+mod figure;
 mod guest;
 mod hand;
 mod lab;
@@ -16,14 +17,16 @@ mod report;
 mod study;
 pub(crate) mod worker;
 
+pub(crate) use figure::{FigureForm, FigureOf, Figured};
 pub(crate) use guest::{About, Guest};
 pub(crate) use hand::Hand;
-pub(crate) use lab::{Lab, Progress};
+pub(crate) use lab::{Lab, Progress, with_note};
 pub(crate) use mesh::{Mesh, Through};
-pub(crate) use messages::{PictureSet, Thumbnail};
+pub(crate) use messages::{PictureSet, Thumbnail, WrittenSpots};
 pub(crate) use passing::{LinkMade, PageWish};
 pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
+pub(crate) use program::build;
 pub(crate) use report::{
     Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, Stand, VesselPoint, Wall,
 };

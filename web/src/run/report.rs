@@ -34,6 +34,8 @@ pub(crate) struct Facts {
     pub(crate) sweeps: usize,
     /// The stations, in the manifest's order.
     pub(crate) stations: Vec<StationFacts>,
+    /// The session that was packed with the scan, as it is written down.
+    pub(crate) session: Option<String>,
 }
 
 /// A view, and where it was taken from.
@@ -198,6 +200,7 @@ impl Facts {
         let stations = scan.stations.iter().zip(&manifest.views).zip(&sweep_of);
         Self {
             name: manifest.name.clone(),
+            session: None,
             given_index: manifest.media.inside,
             declared_shape: manifest.vessel.shape,
             picture: [manifest.camera.width, manifest.camera.height],

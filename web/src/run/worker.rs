@@ -84,10 +84,12 @@ impl Desk {
         match request {
             Request::Open(file) => self.open(file),
             Request::Observe { view, settings } => {
-                Ok(Reply::Observed(observe(self.archive()?, view, &settings)?))
+                let spots = observe(self.archive()?, view, &settings)?;
+                let written = serde_json::to_vec(&spots).map_err(unreadable)?;
+                Ok(Reply::Observed(Uint8Array::from(written.as_slice())))
             }
             Request::Keep(spots) => {
-                self.spots = spots;
+                self.spots = read(&spots)?;
                 self.study = None;
                 Ok(Reply::Kept)
             }
@@ -99,7 +101,13 @@ impl Desk {
             Request::Thumbnail { view } => Ok(Reply::Thumbnail(thumbnail(
                 &self.archive()?.pictures(view)?.on,
             ))),
+            Request::Figure { of, form } => {
+                let result = self.result.as_ref().ok_or_else(out_of_order)?;
+                let study = self.study.as_ref().map(|(_, study)| study);
+                Ok(Reply::Figured(of.make(form, result, study)))
+            }
             Request::Write(format) => self.write(format),
+            Request::Note(note) => self.note(&note),
             Request::OpenLink(fragment) => {
                 let (document, rounding) = passing::from_link(&fragment)?;
                 self.receive(document, Some(rounding))
@@ -119,8 +127,9 @@ impl Desk {
     fn open(&mut self, file: Blob) -> Result<Reply, Problem> {
         let reader = BlobReader::new(file)
             .map_err(|e| Problem::own(format!("The browser gives no file reader: {e:?}")))?;
-        let archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
-        let facts = Facts::of(archive.scan());
+        let mut archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
+        let mut facts = Facts::of(archive.scan());
+        facts.session = archive.session();
         self.archive = Some(archive);
         Ok(Reply::Opened(Box::new(facts)))
     }
@@ -163,6 +172,14 @@ impl Desk {
         Ok(Reply::Written(Uint8Array::from(bytes.as_slice())))
     }
 
+    /// The archive is closed afterwards.
+    fn note(&mut self, note: &str) -> Result<Reply, Problem> {
+        let archive = self.archive.take().ok_or_else(out_of_order)?;
+        let tail = archive.with_session(note)?;
+        let bytes = Uint8Array::from(tail.bytes.as_slice());
+        Ok(Reply::Noted(tail.keep as f64, bytes))
+    }
+
     /// Takes in what was passed on in place of an archive.
     fn receive(&mut self, document: Document, rounding: Option<f64>) -> Result<Reply, Problem> {
         let guest = Guest::of(&document, rounding)?;
@@ -191,6 +208,20 @@ impl Desk {
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {
         self.archive.as_mut().ok_or_else(out_of_order)
     }
+}
+
+/// The spots that another worker has written.
+fn read(written: &Array) -> Result<Vec<Spots>, Problem> {
+    let views = written.iter();
+    let read = |view: JsValue| {
+        let bytes = view.unchecked_into::<Uint8Array>().to_vec();
+        serde_json::from_slice(&bytes).map_err(unreadable)
+    };
+    views.map(read).collect()
+}
+
+fn unreadable(error: serde_json::Error) -> Problem {
+    Problem::own(format!("A worker does not read spots: {error}."))
 }
 
 fn out_of_order() -> Problem {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use three_d::{InnerSpace, Vec3, vec3};
 
+use super::ellipsoids::ellipsoid;
 use super::faces::Face;
 use super::grid::Grid;
 use super::labels::Label;
@@ -12,10 +13,11 @@ use super::orbit::Orbit;
 use super::palette::Palette;
 use super::patch::Patch;
 use super::points::ScenePoint;
+use super::section::Slab;
 use crate::colours::{MIDDLE, Scale};
 use crate::measuring::Picked;
 use crate::run::{Facts, Outcome, Place, Shown, Stand};
-use crate::state::ColourBy;
+use crate::state::{ColourBy, Section, SectionAxis};
 
 /// More beams would hide what they light.
 const MOST_BEAMS: usize = 150;
@@ -152,6 +154,32 @@ impl Content {
         let points = self.object.iter();
         let few = points.step_by(self.object.len() / MOST_BEAMS + 1);
         few.map(|p| Line::new(p.unrefracted, p.place, palette.displacement))
+            .collect()
+    }
+
+    /// The slab of a section.
+    pub(super) fn slab(&self, section: Section) -> Slab {
+        let (Some((facts, _)), Some(axis)) = (&self.measured, section.axis) else {
+            return Slab::ALL;
+        };
+        let (up, front) = (up(facts), self.front_direction());
+        let normal = match axis {
+            SectionAxis::Depth => -front,
+            SectionAxis::Height => up,
+            SectionAxis::Width => up.cross(front),
+        };
+        Slab::of(section, normal, &self.extent())
+    }
+
+    /// Error ellipsoids, so many times as large as they are; of very many points every so many-th.
+    pub(super) fn ellipsoids(&self, magnified: f32) -> Vec<Line> {
+        const MOST: usize = 400;
+        let Some((_, outcome)) = &self.measured else {
+            return Vec::new();
+        };
+        let points = outcome.object.iter().zip(&self.object);
+        let few = points.step_by(outcome.object.len() / MOST + 1);
+        few.flat_map(|(of, seen)| ellipsoid(seen.place, of.covariance, magnified, seen.colour))
             .collect()
     }
 

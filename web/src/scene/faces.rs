@@ -1,9 +1,12 @@
 //! Flat faces that light passes through: the vessel's wall.
 
 use three_d::{
-    Blend, Context, CoreError, Mat4, Program, RenderStates, Vec3, Vec4, VertexBuffer, Viewport,
+    Context, CoreError, Mat4, Program, RenderStates, Vec2, Vec3, Vec4, VertexBuffer, Viewport,
     WriteMask,
 };
+
+use super::blend::OVER;
+use super::section::Slab;
 
 /// A triangle to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,16 +43,18 @@ impl Faces {
     }
 
     /// Draws the faces over what stands behind them, hiding nothing that is drawn later.
-    pub(super) fn draw(&self, matrix: Mat4, viewport: Viewport) {
+    pub(super) fn draw(&self, matrix: Mat4, viewport: Viewport, slab: Slab) {
         let count = self.places.vertex_count();
         if count == 0 {
             return;
         }
         self.program.use_uniform("world_to_clip", matrix);
+        self.program.use_uniform("slab_normal", slab.normal);
+        self.program.use_uniform("slab", Vec2::from(slab.range));
         self.program.use_vertex_attribute("place", &self.places);
         self.program.use_vertex_attribute("colour", &self.colours);
         let states = RenderStates {
-            blend: Blend::TRANSPARENCY,
+            blend: OVER,
             write_mask: WriteMask::COLOR,
             ..Default::default()
         };

@@ -2,9 +2,11 @@
 //! turns towards the eye.
 
 use three_d::{
-    Blend, Context, CoreError, DepthTest, Mat4, Program, RenderStates, Vec2, Vec3, Vec4,
-    VertexBuffer, Viewport, WriteMask,
+    Context, CoreError, DepthTest, Mat4, Program, RenderStates, Vec2, Vec3, Vec4, VertexBuffer,
+    Viewport, WriteMask,
 };
+
+use super::blend::OVER;
 
 /// A line to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,7 +93,7 @@ impl Lines {
         program.use_vertex_attribute("corner", &self.corners);
         program.use_vertex_attribute("colour", &self.colours);
         let states = RenderStates {
-            blend: Blend::TRANSPARENCY,
+            blend: OVER,
             depth_test: DepthTest::LessOrEqual,
             write_mask: WriteMask::COLOR,
             ..Default::default()

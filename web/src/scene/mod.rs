@@ -3,7 +3,9 @@
 // What is drawn may differ in a last bit from machine to machine: no result goes through here.
 #![allow(clippy::disallowed_methods)]
 
+mod blend;
 mod content;
+mod ellipsoids;
 mod faces;
 mod gestures;
 mod grid;
@@ -13,6 +15,7 @@ mod orbit;
 mod palette;
 mod patch;
 mod points;
+mod section;
 mod stage;
 
 use std::rc::Rc;
@@ -26,10 +29,12 @@ use web_sys::{HtmlCanvasElement, MediaQueryList, ResizeObserver};
 use self::content::Content;
 use self::gestures::{Ended, Gestures, keys};
 use self::palette::Palette;
+use self::section::SectionControl;
 use self::stage::{Stage, Subject};
 use crate::colours::wants_little_motion;
 use crate::legend::Legend;
 use crate::measuring::{Measuring, MeasuringBar};
+use crate::run::Problem;
 use crate::state::{ColourBy, SceneCommand, Workbench};
 
 /// The scene with its controls.
@@ -64,6 +69,7 @@ pub(crate) fn Scene() -> impl IntoView {
         <section class="scene panel" aria-label="Scene in 3-D">
             <Toolbar />
             <MeasuringBar />
+            <MoreTools />
             <div class="stage">
                 <canvas
                     node_ref=canvas
@@ -175,6 +181,67 @@ fn Toolbar() -> impl IntoView {
     }
 }
 
+/// What a scene is looked at with now and then.
+#[component]
+fn MoreTools() -> impl IntoView {
+    let workbench = Workbench::get();
+    let transparent = RwSignal::new(false);
+    let choose_ellipsoids = move |event| {
+        let word = event_target_value(&event);
+        let chosen = ELLIPSOIDS.iter().find(|(_, known, _)| *known == word);
+        workbench
+            .ellipsoids
+            .set(chosen.and_then(|(size, ..)| *size));
+    };
+    let ellipsoids = move |(size, word, name): (Option<f32>, &'static str, &'static str)| {
+        view! {
+            <option value=word selected=move || workbench.ellipsoids.get() == size>
+                {name}
+            </option>
+        }
+    };
+    let save = move |_| {
+        let transparent = transparent.get_untracked();
+        workbench
+            .command
+            .set(Some(SceneCommand::Picture { transparent }));
+    };
+    view! {
+        <details class="scene-more" data-testid="scene-more">
+            <summary>"Section, uncertainty, picture"</summary>
+            <div class="scene-tools">
+                <SectionControl />
+                <label class="field">
+                    <span>"Error ellipsoids, 2\u{3c3}"</span>
+                    <select data-testid="ellipsoids" on:change=choose_ellipsoids>
+                        {ELLIPSOIDS.map(ellipsoids).collect_view()}
+                    </select>
+                </label>
+                <label class="field">
+                    <input
+                        type="checkbox"
+                        data-testid="picture-transparent"
+                        prop:checked=move || transparent.get()
+                        on:change=move |event| transparent.set(event_target_checked(&event))
+                    />
+                    <span>"Transparent ground"</span>
+                </label>
+                <button type="button" class="chip" data-testid="save-picture" on:click=save>
+                    "Save picture (PNG)"
+                </button>
+            </div>
+        </details>
+    }
+}
+
+/// How large error ellipsoids are drawn: most are too small to be seen as they are.
+const ELLIPSOIDS: [(Option<f32>, &str, &str); 4] = [
+    (None, "off", "Off"),
+    (Some(1.0), "1", "As they are"),
+    (Some(10.0), "10", "10 times as large"),
+    (Some(100.0), "100", "100 times as large"),
+];
+
 /// From the object as it would be seen without refraction to where it is.
 #[component]
 fn RefractionSlider() -> impl IntoView {
@@ -243,6 +310,14 @@ fn follow(stage: &Stage, workbench: Workbench) {
         show.get_value()
             .pick(workbench.measuring.with(|m| m.faces().clone()));
     });
+    Effect::new(move |_| {
+        workbench.outcome.track();
+        show.get_value().cut(workbench.section.get());
+    });
+    Effect::new(move |_| {
+        workbench.outcome.track();
+        show.get_value().draw_ellipsoids(workbench.ellipsoids.get());
+    });
     Effect::new(move |_| show.get_value().hide_beyond(workbench.shown_range.get()));
     Effect::new(move |_| {
         show.get_value()
@@ -257,6 +332,15 @@ fn follow(stage: &Stage, workbench: Workbench) {
             SceneCommand::Fit => stage.fit(Subject::Measured),
             SceneCommand::FitAll => stage.fit(Subject::WholeSetUp),
             SceneCommand::Look(from) => stage.look(from),
+            SceneCommand::Picture { transparent } => {
+                stage.save_picture(transparent, move |saved| {
+                    if let Err(error) = saved {
+                        workbench.fail(Problem::own(format!(
+                            "The browser gives no picture: {error:?}"
+                        )));
+                    }
+                })
+            }
         }
     });
     Effect::new(move |before: Option<f32>| {

@@ -3,9 +3,12 @@
 
 use three_d::context::POINTS;
 use three_d::{
-    Blend, Context, CoreError, DepthTest, HasContext, Mat4, Program, RenderStates, Vec2, Vec3,
-    Vec4, VertexBuffer, Viewport, WriteMask,
+    Context, CoreError, DepthTest, HasContext, Mat4, Program, RenderStates, Vec2, Vec3, Vec4,
+    VertexBuffer, Viewport, WriteMask,
 };
+
+use super::blend::OVER;
+use super::section::Slab;
 
 /// A point to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub(super) struct PointStyle {
     pub(super) refraction: f32,
     /// Points beyond these fractions of the scale are hidden.
     pub(super) range: [f32; 2],
+    /// Points beyond it are hidden.
+    pub(super) slab: Slab,
     /// Only a ring, over everything.
     pub(super) ring: bool,
 }
@@ -96,13 +101,15 @@ impl Points {
         program.use_uniform("rim", Vec3::from(style.rim));
         program.use_uniform("refraction", style.refraction);
         program.use_uniform("range", Vec2::from(style.range));
+        program.use_uniform("slab_normal", style.slab.normal);
+        program.use_uniform("slab", Vec2::from(style.slab.range));
         program.use_uniform("ring", f32::from(u8::from(style.ring)));
         program.use_vertex_attribute("place", &self.places);
         program.use_vertex_attribute("unrefracted", &self.unrefracted);
         program.use_vertex_attribute("colour", &self.colours);
         program.use_vertex_attribute("fraction", &self.fractions);
         let states = RenderStates {
-            blend: Blend::TRANSPARENCY,
+            blend: OVER,
             depth_test: if style.ring {
                 DepthTest::Always
             } else {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use three_d::{ClearState, Context, CoreError, InnerSpace, RenderTarget, Vec2, Viewport};
 use wasm_bindgen::prelude::*;
 use web_sys::{
-    HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
+    Blob, HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
     WebglLoseContext,
 };
 
@@ -19,8 +19,10 @@ use super::lines::Lines;
 use super::orbit::Orbit;
 use super::palette::Palette;
 use super::points::{PointStyle, Points, ScenePoint};
+use super::section::Slab;
+use crate::files::save_blob;
 use crate::measuring::Picked;
-use crate::state::Look;
+use crate::state::{Look, Section};
 
 /// Why there is no stage.
 #[derive(Debug)]
@@ -51,6 +53,8 @@ struct Inner {
     wanted_refraction: Cell<f32>,
     /// Points beyond these fractions of the colours are hidden.
     range: Cell<[f32; 2]>,
+    /// Only this is shown.
+    slab: Cell<Slab>,
     /// What the picture was last fitted to, until a hand moves the camera.
     fitted: Cell<Option<Subject>>,
     frame_asked_for: Cell<bool>,
@@ -78,6 +82,7 @@ struct Set {
     faint: Lines,
     displacements: Lines,
     chosen_light: Lines,
+    ellipsoids: Lines,
     wall: Faces,
 }
 
@@ -94,6 +99,7 @@ impl Stage {
             faint: Lines::new(&context)?,
             displacements: Lines::new(&context)?,
             chosen_light: Lines::new(&context)?,
+            ellipsoids: Lines::new(&context)?,
             wall: Faces::new(&context)?,
         };
         let stage = Self(Rc::new(Inner {
@@ -105,6 +111,7 @@ impl Stage {
             refraction: Cell::new(1.0),
             wanted_refraction: Cell::new(1.0),
             range: Cell::new([0.0, 1.0]),
+            slab: Cell::new(Slab::ALL),
             fitted: Cell::new(None),
             frame_asked_for: Cell::new(false),
             last_frame: Cell::new(0.0),
@@ -197,6 +204,40 @@ impl Stage {
         self.draw_soon();
     }
 
+    /// Shows a slab only.
+    pub(super) fn cut(&self, section: Section) {
+        let slab = self.0.set.borrow().content.slab(section);
+        self.0.slab.set(slab);
+        self.draw_soon();
+    }
+
+    /// Draws error ellipsoids, so many times as large as they are, or none.
+    pub(super) fn draw_ellipsoids(&self, magnified: Option<f32>) {
+        let set = &mut *self.0.set.borrow_mut();
+        let lines = magnified.map(|magnified| set.content.ellipsoids(magnified));
+        set.ellipsoids.fill(&lines.unwrap_or_default());
+        self.draw_soon();
+    }
+
+    /// Saves what is seen as `scene.png`; `then` is told how that went.
+    pub(super) fn save_picture(
+        &self,
+        transparent: bool,
+        then: impl FnOnce(Result<(), JsValue>) + 'static,
+    ) {
+        // The browser takes the picture as it is when it is asked, before anything else is drawn.
+        self.match_resolution();
+        self.draw(transparent);
+        let taken = Closure::once_into_js(move |picture: Option<Blob>| {
+            let picture = picture.ok_or_else(|| JsValue::from("the canvas is empty"));
+            then(picture.and_then(|picture| save_blob(&picture, "scene.png")));
+        });
+        if let Err(error) = self.0.canvas.to_blob(taken.unchecked_ref()) {
+            web_sys::console::warn_1(&error);
+        }
+        self.draw_soon();
+    }
+
     /// With or without perspective.
     pub(super) fn set_orthographic(&self, on: bool) {
         let mut orbit = self.0.orbit.get();
@@ -257,7 +298,7 @@ impl Stage {
         let camera = self.0.orbit.get().camera(self.viewport());
         let matrix = camera.projection() * camera.view();
         let refraction = smooth(self.0.refraction.get());
-        let [low, high] = self.0.range.get();
+        let ([low, high], slab) = (self.0.range.get(), self.0.slab.get());
         let place = |point: &ScenePoint| {
             let clip = matrix * point.between(refraction).extend(1.0);
             let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
@@ -267,7 +308,7 @@ impl Stage {
         let content = &self.0.set.borrow().content;
         let points = content.object.iter().chain(&content.vessel);
         points
-            .filter(|p| (low..=high).contains(&p.fraction))
+            .filter(|p| (low..=high).contains(&p.fraction) && slab.holds(p.between(refraction)))
             .filter_map(place)
             .collect()
     }
@@ -304,7 +345,7 @@ impl Stage {
         self.0.frame_asked_for.set(false);
         let moving = self.step_refraction(time);
         self.match_resolution();
-        self.draw();
+        self.draw(false);
         if moving {
             self.draw_soon();
         } else {
@@ -346,7 +387,7 @@ impl Stage {
         }
     }
 
-    fn draw(&self) {
+    fn draw(&self, transparent: bool) {
         let viewport = self.viewport();
         let camera = self.0.orbit.get().camera(viewport);
         let matrix = camera.projection() * camera.view();
@@ -369,6 +410,7 @@ impl Stage {
             rim: palette.rim,
             refraction,
             range: self.0.range.get(),
+            slab: self.0.slab.get(),
             ring: false,
         };
         let vessel = PointStyle {
@@ -382,7 +424,11 @@ impl Stage {
         };
         let target = RenderTarget::screen(&self.0.context, viewport.width, viewport.height);
         let [red, green, blue] = palette.background;
-        target.clear(ClearState::color_and_depth(red, green, blue, 1.0, 1.0));
+        target.clear(if transparent {
+            ClearState::color_and_depth(0.0, 0.0, 0.0, 0.0, 1.0)
+        } else {
+            ClearState::color_and_depth(red, green, blue, 1.0, 1.0)
+        });
         let drawn: Result<_, CoreError> = target.write(|| {
             set.object.draw(matrix, viewport, object);
             set.vessel.draw(matrix, viewport, vessel);
@@ -390,8 +436,10 @@ impl Stage {
             set.chosen_light.draw(matrix, viewport, 2.25 * scale);
             if refraction < 1.0 {
                 set.displacements.draw(matrix, viewport, 1.0 * scale);
+            } else {
+                set.ellipsoids.draw(matrix, viewport, 1.0 * scale);
             }
-            set.wall.draw(matrix, viewport);
+            set.wall.draw(matrix, viewport, self.0.slab.get());
             set.faint.draw(matrix, viewport, 1.0 * scale);
             set.marker.draw(matrix, viewport, marker);
             Ok(())
@@ -411,7 +459,8 @@ fn smooth(way: f32) -> f32 {
 fn graphics(canvas: &HtmlCanvasElement) -> Result<Context, NoStage> {
     let wishes = WebGlContextAttributes::new();
     wishes.set_antialias(true);
-    wishes.set_alpha(false);
+    // For pictures without a ground; what is shown has one.
+    wishes.set_alpha(true);
     let context = canvas
         .get_context_with_context_options("webgl2", &wishes)
         .ok()

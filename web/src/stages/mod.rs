@@ -15,6 +15,7 @@ use self::downloads::Downloads;
 use self::index::IndexControl;
 use self::numbers::{Number, brief, numbers};
 use self::study::IndexStudy;
+use crate::problem_note::ProblemText;
 use crate::run::ProblemKind;
 use crate::share::PassOn;
 use crate::state::{StageState, Workbench};
@@ -145,8 +146,7 @@ fn Complaint(stage: Stage) -> impl IntoView {
             let earlier = workbench.outcome.with(Option::is_some);
             view! {
                 <div class="complaint" role="alert" data-testid="stage-problem">
-                    <p>{problem.cause}</p>
-                    <p>{problem.next_step}</p>
+                    <ProblemText problem />
                     {earlier.then_some(view! { <p>"What is shown is the result before the change."</p> })}
                 </div>
             }

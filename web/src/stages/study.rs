@@ -144,7 +144,7 @@ fn table(workbench: Workbench, study: &Study) -> impl IntoView + use<> {
     });
     let others = others.collect_view();
     view! {
-        <div class="index-methods">
+        <div class="index-methods" tabindex="0" role="region" aria-label="Methods">
             <table data-testid="index-methods">
                 <thead>
                     <tr>

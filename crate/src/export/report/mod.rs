@@ -1,13 +1,10 @@
 //! A report to print: one HTML file with its figures, which loads nothing and runs nothing.
 
-mod ray_distances;
-mod svg;
-mod top_view;
-
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::header::{header, in_one_line, index, name_of};
-use super::{OneOrMany, ReconstructionResult, ViewResult, WallResult};
+use super::{OneOrMany, ReconstructionResult, ResultFigure, ViewResult, WallResult};
+use crate::plot::PlotError;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -33,9 +30,17 @@ pub fn report_html(result: &ReconstructionResult) -> String {
                 h2 { "Numbers" }
                 (numbers(result))
                 h2 { "From above" }
-                (top_view::figure(result))
+                div.figures {
+                    (figure(result, ResultFigure::TopView, [350, 420], "a) with refraction"))
+                    (figure(result, ResultFigure::TopViewStraight, [350, 420], "b) without: straight rays"))
+                }
+                p.note { "The rig is below; grey: the wall and the points on it; colours: the scans." }
+                h2 { "From above and aside" }
+                (figure(result, ResultFigure::BirdsEye, [700, 480], "Grey: the wall's points; colours: the scans"))
                 h2 { "Ray distances" }
-                (ray_distances::figure(result))
+                (figure(result, ResultFigure::RayDistances, [700, 200], "Ray distance l of each object point, views in their order"))
+                h2 { "The wall" }
+                (figure(result, ResultFigure::WallResiduals, [700, 300], "How far the wall's points lie off it: orange towards the rig, purple away from it"))
                 h2 { "Views" }
                 (views(result))
                 footer { @for line in header(result) { p { (line) } } }
@@ -45,11 +50,24 @@ pub fn report_html(result: &ReconstructionResult) -> String {
     page.into_string()
 }
 
-/// The report's figures by themselves, as HTML: vessel and object from above, and the ray distances.
+fn figure(
+    result: &ReconstructionResult,
+    which: ResultFigure,
+    size: [u32; 2],
+    caption: &str,
+) -> Markup {
+    match result.figure(which).and_then(|plot| plot.draw(size)) {
+        Ok(drawing) => html! { figure { (PreEscaped(drawing.svg)) figcaption { (caption) } } },
+        Err(PlotError::Nothing) => html! { p { (caption) ": there is nothing to show." } },
+        Err(error) => html! { p { (caption) ": " (error) "." } },
+    }
+}
+
+/// The report's main figures by themselves, as HTML: vessel and object from above, and the ray distances.
 pub fn report_figures(result: &ReconstructionResult) -> String {
     let figures = html! {
-        (top_view::figure(result))
-        (ray_distances::figure(result))
+        (figure(result, ResultFigure::TopView, [350, 420], "From above"))
+        (figure(result, ResultFigure::RayDistances, [700, 200], "Ray distance l of each object point, views in their order"))
     };
     figures.into_string()
 }
