@@ -602,3 +602,39 @@ fn a_table_is_made_and_measured_with() {
     let done = snellius(&[&by_table[..], &[output, scan_file]].concat());
     assert!(assert_ends_with(&done, 1).contains("table.json: no table"));
 }
+
+#[test]
+fn share_puts_a_scan_into_the_viewer_beside_the_program_or_named() {
+    const VIEWER: &str = "<title>Snellius</title><!-- snellius:data -->";
+    let (folder, scan) = (Folder::new(), small_scan());
+    let scan = folder.write("scan.zip", &scan);
+    let viewer = folder.write("viewer.html", VIEWER.as_bytes());
+    let page = folder.path("page.html");
+    let words = |more: &[&OsStr]| {
+        let mut words = vec![OsStr::new("share"), scan.as_os_str()];
+        words.extend([OsStr::new("--output"), page.as_os_str()]);
+        words.extend(more);
+        snellius(&words)
+    };
+    let named = [OsStr::new("--viewer"), viewer.as_os_str()];
+    let titled = ["--title", "A & B", "--index", "1.4"].map(OsStr::new);
+    assert_ends_with(&words(&[&named[..], &titled[..]].concat()), 0);
+    let made = fs::read_to_string(&page).unwrap();
+    assert!(made.starts_with("<title>A &amp; B</title><script type=\"application/json\""));
+    let document = snellius::share::document_in(&made).unwrap();
+    assert_eq!(document.title, "A & B");
+    assert_eq!(document.result.media.inside.value, Some(1.4));
+    assert_eq!(document.scan.unwrap().views.len(), 10);
+
+    let missing = folder.path("nowhere.html");
+    let error = words(&[OsStr::new("--viewer"), missing.as_os_str()]);
+    let error = assert_ends_with(&error, 1);
+    assert!(
+        error.contains("nowhere.html") && error.contains("cargo xtask viewer"),
+        "{error}"
+    );
+    let other = folder.write("other.html", b"<html></html>");
+    let error = words(&[OsStr::new("--viewer"), other.as_os_str()]);
+    let error = assert_ends_with(&error, 1);
+    assert!(error.contains("no viewer of Snellius"), "{error}");
+}

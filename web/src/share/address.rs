@@ -3,7 +3,6 @@
 use leptos::ev;
 use leptos::prelude::*;
 use snellius::share::is_link;
-use wasm_bindgen_futures::JsFuture;
 
 use super::source;
 use crate::state::Workbench;
@@ -35,16 +34,4 @@ pub(super) fn page_address(fragment: &str) -> String {
     let href = window().location().href().unwrap_or_default();
     let page = href.split(['#', '?']).next().unwrap_or_default();
     format!("{page}#{fragment}")
-}
-
-/// `None` where the browser has no clipboard for this page, or forbids it.
-pub(super) async fn write_to_clipboard(text: &str) -> Option<()> {
-    let navigator = window().navigator();
-    let clipboard = js_sys::Reflect::get(&navigator, &"clipboard".into()).ok()?;
-    // Missing where the page is not served securely.
-    if clipboard.is_undefined() {
-        return None;
-    }
-    let copied = JsFuture::from(navigator.clipboard().write_text(text)).await;
-    copied.ok().map(drop)
 }

@@ -4,7 +4,8 @@ use leptos::html;
 use leptos::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 
-use super::address::{page_address, write_to_clipboard};
+use super::address::page_address;
+use crate::clipboard::write_to_clipboard;
 use crate::run::{LinkMade, Problem};
 use crate::state::Workbench;
 
