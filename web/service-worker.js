@@ -42,12 +42,14 @@ async function page(request) {
   }
 }
 
-// Files of the page never change under one name. Samples are kept once somebody has opened one.
+// Files of the page never change under one name, within a build. Samples and the viewer of one-file pages are kept
+// once somebody has asked for them.
 async function file(request, address) {
   const kept = await caches.match(request);
   if (kept) return kept;
   const answer = await fetch(request);
-  if (answer.ok && address.pathname.includes("/samples/")) {
+  const isKept = address.pathname.includes("/samples/") || address.pathname.endsWith("/viewer.html");
+  if (answer.ok && isKept) {
     const cache = await caches.open(CACHE);
     await cache.put(request, answer.clone());
   }

@@ -7,8 +7,32 @@ use tempfile::TempDir;
 
 use crate::places;
 
-/// Every format that the page offers as well.
-const FORMATS: &str = "json,ply,vessel-ply,csv,object-csv,pcd,glb,stl,obj,html";
+/// Every format that the page, or a page of one file, offers as well.
+const FORMATS: &str = "json,ply,vessel-ply,csv,object-csv,pcd,las,e57,glb,stl,obj,html";
+
+/// A one-file page of a scan archive, as `snellius share` makes it; `more` are further arguments.
+pub fn share(archive: &Path, more: &[&str]) -> Result<Vec<u8>> {
+    let directory = tempfile::tempdir()?;
+    let page = directory.path().join("page.html");
+    let ran = Command::new(places::companion()?)
+        .arg("share")
+        .arg(archive)
+        .arg("--output")
+        .arg(&page)
+        .arg("--viewer")
+        .arg(places::dist()?.join("viewer.html"))
+        .args(more)
+        .output()
+        .context("cannot start the companion program")?;
+    let said = String::from_utf8_lossy(&ran.stderr);
+    ensure!(
+        ran.status.success(),
+        "snellius share {} {more:?} ended with {}: {said}",
+        archive.display(),
+        ran.status
+    );
+    Ok(fs::read(&page)?)
+}
 
 /// What `snellius reconstruct` wrote.
 pub struct Output(TempDir);

@@ -41,9 +41,9 @@ pub(crate) fn requests(events: &[Event]) -> Vec<String> {
         .collect()
 }
 
-/// Whether a request stays on this machine.
+/// Whether a request stays on this machine: a page on disk is one itself.
 pub(crate) fn is_local(url: &str) -> bool {
-    let without_network = ["data:", "blob:", "about:"];
+    let without_network = ["data:", "blob:", "about:", "file:///"];
     let loopback = ["http://127.0.0.1:", "ws://127.0.0.1:"];
     without_network
         .iter()

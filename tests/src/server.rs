@@ -29,6 +29,8 @@ struct Files {
     base: String,
     /// Files that a test adds, by their whole path.
     extra: Mutex<HashMap<String, Vec<u8>>>,
+    /// Whether pages of other hosts may read the files.
+    for_all: AtomicBool,
 }
 
 impl Site {
@@ -52,6 +54,7 @@ impl Site {
             directory: directory.to_owned(),
             base: base.to_owned(),
             extra: Mutex::default(),
+            for_all: AtomicBool::new(false),
         });
         let over = Arc::new(AtomicBool::new(false));
         let thread = std::thread::spawn({
@@ -69,6 +72,11 @@ impl Site {
     /// The address of the directory.
     pub fn url(&self) -> String {
         format!("http://127.0.0.1:{}{}", self.port, self.files.base)
+    }
+
+    /// Lets pages of other hosts read the files (CORS).
+    pub fn allow_other_hosts(&self) {
+        self.files.for_all.store(true, Ordering::SeqCst);
     }
 
     /// Adds a file to the site and gives its address.
@@ -121,10 +129,14 @@ fn respond(mut visitor: TcpStream, files: &Files) -> std::io::Result<()> {
         Some(content) => ("200 OK", content),
         None => ("404 Not Found", format!("nothing at {path}").into_bytes()),
     };
+    let allowed = match files.for_all.load(Ordering::SeqCst) {
+        true => "Access-Control-Allow-Origin: *\r\n",
+        false => "",
+    };
     write!(
         visitor,
         "HTTP/1.1 {status}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
-         Connection: close\r\n\r\n",
+         {allowed}Connection: close\r\n\r\n",
         mime_type(path),
         content.len()
     )?;

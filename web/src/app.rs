@@ -11,6 +11,8 @@ use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
+use crate::sessions;
+use crate::share;
 use crate::shortcuts::{self, HelpSheet};
 use crate::start::StartScreen;
 use crate::state::{Screen, Workbench};
@@ -30,6 +32,7 @@ pub(crate) fn start() {
     if let Some(shell) = document().get_element_by_id("shell") {
         shell.remove();
     }
+    sessions::sweep();
     mount::mount_to_body(App);
 }
 
@@ -49,6 +52,7 @@ fn App() -> impl IntoView {
     });
     accept_drops(workbench);
     shortcuts::listen(workbench);
+    share::follow_address(workbench);
     let screen = Memo::new(move |_| workbench.screen());
     view! {
         <Header />
@@ -160,7 +164,7 @@ fn FileInput() -> impl IntoView {
             node_ref=input
             id=FILE_INPUT
             type="file"
-            accept=".zip,application/zip"
+            accept=".zip,application/zip,.html,.json"
             data-testid="file-input"
             aria-label="Scan archive"
             hidden

@@ -7,6 +7,7 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, BlobPropertyBag, FileList, HtmlAnchorElement, HtmlElement, Response, Url};
 
 use crate::run::Problem;
+use crate::share::open_file;
 use crate::state::Workbench;
 
 /// The id of the page's file input.
@@ -28,7 +29,7 @@ pub(crate) fn open(workbench: Workbench, list: Option<FileList>) {
         .collect();
     match files.as_slice() {
         [] => {}
-        [file] => workbench.open(file.clone().into(), file.name()),
+        [file] => open_file(workbench, file.clone().into(), file.name()),
         [_, ..] => workbench.fail(Problem::input(
             format!("{} files at once; a scan is one archive.", files.len()),
             "Pack scan.json and its pictures into one .zip, and choose that.",
@@ -77,7 +78,7 @@ pub(crate) fn save(bytes: &Uint8Array, name: &str, kind: &str) -> Result<(), JsV
     save_blob(&blob, name)
 }
 
-/// Saves a file that is at hand already.
+/// Likewise, of what need not be in memory.
 pub(crate) fn save_blob(blob: &Blob, name: &str) -> Result<(), JsValue> {
     let address = Url::create_object_url_with_blob(blob)?;
     let link: HtmlAnchorElement = document().create_element("a")?.unchecked_into();

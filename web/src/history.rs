@@ -1,13 +1,16 @@
 //! What was set before, so that every change of the result can be taken back.
 
+use serde::{Deserialize, Serialize};
+
 use crate::run::Plan;
 
 /// The plans before and after the present one.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct History {
     past: Vec<Plan>,
     future: Vec<Plan>,
     /// What is being turned: a drag through a hundred values is one change.
+    #[serde(skip)]
     turning: Option<&'static str>,
 }
 

@@ -23,6 +23,8 @@ mod progress;
 mod result;
 mod run;
 mod scene;
+mod sessions;
+mod share;
 mod shortcuts;
 mod stages;
 mod start;

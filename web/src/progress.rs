@@ -19,7 +19,7 @@ pub(crate) fn RunningScreen() -> impl IntoView {
     };
     view! {
         <section class="running panel" aria-labelledby="running-title">
-            <h1 id="running-title">"Measuring"</h1>
+            <h1 id="running-title">{move || if progress().views > 0 { "Measuring" } else { "Opening" }}</h1>
             <p class="file-name">{move || workbench.file_name.get()}</p>
             <progress
                 data-testid="progress"
@@ -40,6 +40,7 @@ pub(crate) fn RunningScreen() -> impl IntoView {
 fn sentence(progress: Progress) -> String {
     let Progress {
         done,
+        at_hand,
         views,
         seconds,
     } = progress;
@@ -49,8 +50,8 @@ fn sentence(progress: Progress) -> String {
     if done == views {
         return format!("{views} of {views} views, now the vessel and the object");
     }
-    let rate = done as f64 / seconds;
-    if done < 2 || seconds < 0.3 {
+    let rate = (done - at_hand) as f64 / seconds;
+    if done < at_hand + 2 || seconds < 0.3 {
         return format!("{done} of {views} views");
     }
     let left = (views - done) as f64 / rate;

@@ -8,6 +8,7 @@ use web_sys::DragEvent;
 use crate::files;
 use crate::number::megabytes;
 use crate::run::Problem;
+use crate::sessions::Shelf;
 use crate::state::Workbench;
 
 /// A scan that comes with the page: an entry of `samples/index.json`.
@@ -45,6 +46,7 @@ pub(crate) fn StartScreen() -> impl IntoView {
                     "Back to the result"
                 </button>
             </Show>
+            <Shelf />
             <Samples />
             <p class="to-the-lab">
                 <a href="#lab" data-testid="open-lab">

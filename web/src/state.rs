@@ -15,9 +15,10 @@ use web_sys::Blob;
 use crate::history::History;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    Facts, FigureForm, FigureOf, Figured, Lab, Outcome, PictureSet, Plan, Problem, ProblemKind,
-    Progress, Study, Thumbnail, sleep,
+    About, Facts, FigureForm, FigureOf, Figured, Guest, Hand, Lab, LinkMade, Outcome, PageWish,
+    PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
 };
+use crate::sessions::{Found, HowFar, Keeping, Record, Session};
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +118,8 @@ pub(crate) struct Workbench {
     pub(crate) problem: RwSignal<Option<Problem>>,
     /// The scan that is shown.
     pub(crate) facts: RwSignal<Option<Arc<Facts>>>,
+    /// What is shown, if it came without its archive.
+    pub(crate) guest: RwSignal<Option<About>>,
     /// What it gave last; nothing yet if something is wanted first.
     pub(crate) outcome: RwSignal<Option<Arc<Outcome>>>,
     /// Why the settings give nothing; the outcome is then that of earlier ones.
@@ -156,6 +159,12 @@ pub(crate) struct Workbench {
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
+    /// Who keeps what is opened, until it is shown,
+    opening: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
+    /// and who keeps what is shown.
+    kept: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
+    /// The worker that has what came without its archive.
+    guest_hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
     /// The plan that was measured last, whatever came of it.
     measured: StoredValue<Plan>,
@@ -172,6 +181,7 @@ impl Workbench {
             file_name: RwSignal::new(String::new()),
             problem: RwSignal::new(None),
             facts: RwSignal::new(None),
+            guest: RwSignal::new(None),
             outcome: RwSignal::new(None),
             stage_problem: RwSignal::new(None),
             study: RwSignal::new(None),
@@ -192,6 +202,9 @@ impl Workbench {
             help: RwSignal::new(false),
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
+            opening: StoredValue::new_local(None),
+            kept: StoredValue::new_local(None),
+            guest_hand: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
             shown: StoredValue::new(Plan::default()),
@@ -266,21 +279,85 @@ impl Workbench {
 
     /// Measures a file. What is shown stays until the new scan is measured.
     pub(crate) fn open(self, file: Blob, name: String) {
-        self.cancel();
-        self.problem.set(None);
-        self.file_name.set(name);
-        self.progress.set(Some(Progress::default()));
+        let record = Record::new(&name);
+        self.go_on(file, record, Vec::new(), None);
+    }
+
+    /// Goes on with a session: its scan, how that was measured, and the spots that were found.
+    pub(crate) fn go_on(
+        self,
+        file: Blob,
+        record: Record,
+        found: Vec<Found>,
+        session: Option<Session>,
+    ) {
+        let keeping = Rc::new(Keeping::new(record));
+        let kept = Rc::clone(&keeping);
+        let archive = file.clone();
         let tell = move |progress| self.progress.set(Some(progress));
         let first_run = async move {
-            let lab = Lab::open(file).await?;
-            let outcome = lab.measure(&Plan::default(), tell).await;
-            Ok((lab, outcome))
+            let lab = Rc::new(Lab::open(file).await?);
+            if let Some(packed) = lab.facts().session.as_deref() {
+                keeping.take_over(packed);
+            }
+            let plan = keeping.record().plan;
+            for found in found {
+                if found.settings == plan.settings.spots {
+                    lab.remember(found.settings, found.spots);
+                }
+            }
+            keeping.measures(&lab);
+            let outcome = lab.measure(&plan, tell).await;
+            Ok((lab, keeping, outcome))
         };
-        let (running, handle) = abortable(first_run);
+        let name = kept.record().file_name;
+        self.wait_for(name, first_run, move |(lab, keeping, outcome)| {
+            self.show(lab, keeping, outcome);
+        });
+        self.opening.set_value(Some(Rc::clone(&kept)));
+        spawn_local(kept.keep(self, archive, session));
+    }
+
+    /// Shows a reconstruction that comes without its archive: in a link, or in a file. What is shown stays
+    /// until it has come.
+    pub(crate) fn receive(
+        self,
+        name: String,
+        open: impl AsyncFnOnce(&Hand) -> Result<Guest, Problem> + 'static,
+    ) {
+        let opened = async move {
+            let hand = Hand::start().await?;
+            let guest = open(&hand).await?;
+            Ok((hand, guest))
+        };
+        self.wait_for(name, opened, move |(hand, guest)| {
+            let plan = Plan {
+                settings: guest.settings,
+                ..Plan::default()
+            };
+            self.clear(guest.facts, plan.clone());
+            self.guest_hand.set_value(Some(Rc::new(hand)));
+            self.guest.set(Some(guest.about));
+            self.take(plan, Ok(guest.outcome));
+        });
+    }
+
+    /// Waits for something, saying so meanwhile, and then does something with it; gives up when cancelled.
+    pub(crate) fn wait_for<T: 'static>(
+        self,
+        saying: String,
+        what: impl Future<Output = Result<T, Problem>> + 'static,
+        then: impl FnOnce(T) + 'static,
+    ) {
+        self.cancel();
+        self.problem.set(None);
+        self.file_name.set(saying);
+        self.progress.set(Some(Progress::default()));
+        let (waiting, handle) = abortable(what);
         self.cancel.set_value(Some(handle));
         spawn_local(async move {
-            match running.await {
-                Ok(Ok((lab, outcome))) => self.show(lab, outcome),
+            match waiting.await {
+                Ok(Ok(come)) => then(come),
                 Ok(Err(problem)) => self.fail(problem),
                 // Whoever cancelled has put the page in order.
                 Err(Aborted) => {}
@@ -293,12 +370,20 @@ impl Workbench {
         if let Some(handle) = self.cancel.try_update_value(Option::take).flatten() {
             handle.abort();
         }
+        self.give_up();
+    }
+
+    /// What was being opened is not shown any more.
+    fn give_up(self) {
+        if let Some(opening) = self.opening.try_update_value(Option::take).flatten() {
+            opening.give_up();
+        }
         self.progress.set(None);
     }
 
     /// Says what went wrong.
     pub(crate) fn fail(self, problem: Problem) {
-        self.progress.set(None);
+        self.give_up();
         self.problem.set(Some(problem));
     }
 
@@ -315,19 +400,45 @@ impl Workbench {
     }
 
     /// Shows a scan: what it gave, or which stage failed.
-    fn show(self, lab: Lab, outcome: Result<Outcome, Problem>) {
+    fn show(self, lab: Rc<Lab>, keeping: Rc<Keeping>, outcome: Result<Outcome, Problem>) {
         if let Err(problem) = &outcome
             && problem.stage.is_none_or(|stage| stage < Stage::Spots)
         {
             return self.fail(problem.clone());
         }
-        self.facts.set(Some(Arc::new(lab.facts().clone())));
-        self.lab.set_value(Some(Rc::new(lab)));
-        self.settings.set(Settings::default());
-        self.corrections.set(Vec::new());
+        let record = keeping.record();
+        self.opening.set_value(None);
+        self.clear(lab.facts().clone(), record.plan.clone());
+        self.history.set(record.history);
+        self.lab.set_value(Some(lab));
+        self.kept.set_value(Some(Rc::clone(&keeping)));
+        if let Err(problem) = &outcome
+            && problem.kind != ProblemKind::IndexWanted
+        {
+            self.problem.set(Some(problem.clone()));
+        }
+        self.take(record.plan, outcome);
+        if record.chosen.is_some() {
+            self.choose(record.chosen);
+        }
+        // From now on what is shown is what is kept.
+        keeping.is_shown();
+    }
+
+    /// Makes room for another scan.
+    fn clear(self, facts: Facts, plan: Plan) {
+        if let Some(kept) = self.kept.try_update_value(Option::take).flatten() {
+            kept.leave();
+        }
+        self.lab.set_value(None);
+        self.guest_hand.set_value(None);
+        self.guest.set(None);
+        self.facts.set(Some(Arc::new(facts)));
+        self.settings.set(plan.settings);
+        self.corrections.set(plan.corrections.clone());
         self.history.set(History::default());
         self.measuring.set(Measuring::default());
-        self.measured.set_value(Plan::default());
+        self.measured.set_value(plan);
         self.stage_problem.set(None);
         self.study.set(None);
         self.studied.set_value(None);
@@ -336,12 +447,6 @@ impl Workbench {
         self.outcome.set(None);
         self.at_start.set(false);
         self.progress.set(None);
-        if let Err(problem) = &outcome
-            && problem.kind != ProblemKind::IndexWanted
-        {
-            self.problem.set(Some(problem.clone()));
-        }
-        self.take(Plan::default(), outcome);
     }
 
     /// The view in the middle of the scan that has an object point: there is something to see at once.
@@ -581,27 +686,78 @@ impl Workbench {
 
     /// Writes a file of what is shown. Settings that were changed just now are measured first.
     pub(crate) async fn write(self, format: Format) -> Result<Uint8Array, Problem> {
-        self.at_rest().await;
-        let lab = self.lab.get_value();
-        let lab = lab.ok_or_else(|| Problem::own("There is no result to save."))?;
-        lab.write(format, &self.shown.get_value()).await
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.write(format).await;
+        }
+        self.settled_lab()
+            .await?
+            .write(format, &self.shown.get_value())
+            .await
+    }
+
+    /// Makes a link to what is shown.
+    pub(crate) async fn link(self) -> Result<LinkMade, Problem> {
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.link(self.settings.get_untracked()).await;
+        }
+        let lab = self.settled_lab().await?;
+        lab.link(&self.shown.get_value()).await
+    }
+
+    /// Writes a one-file page of what is shown.
+    pub(crate) async fn page(self, wish: PageWish) -> Result<Uint8Array, Problem> {
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.page(self.settings.get_untracked(), wish).await;
+        }
+        let lab = self.settled_lab().await?;
+        lab.page(&self.shown.get_value(), wish).await
     }
 
     /// Draws a figure of what is shown, or writes it as a table. Settings that were changed just now are
     /// measured first.
     pub(crate) async fn figure(self, of: FigureOf, form: FigureForm) -> Result<Figured, Problem> {
-        self.at_rest().await;
-        let lab = self.lab.get_value();
-        let lab = lab.ok_or_else(|| Problem::own("There is no result to plot."))?;
+        if let Some(hand) = self.guest_hand.get_value() {
+            return hand.figure(of, form).await;
+        }
+        let lab = self.settled_lab().await?;
         lab.figure((of, form), &self.shown.get_value()).await
     }
 
-    /// Waits until what is set is measured.
-    async fn at_rest(self) {
+    /// The lab once it is at rest.
+    async fn settled_lab(self) -> Result<Rc<Lab>, Problem> {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
             sleep(LOOK).await;
         }
+        let lab = self.lab.get_value();
+        lab.ok_or_else(|| Problem::own("There is no result to save."))
+    }
+
+    /// What is to be kept of what is being opened.
+    pub(crate) fn on_the_way(self, mut record: Record) -> Record {
+        if let Some(Progress { done, views, .. }) = self.progress.get_untracked() {
+            record.progress = HowFar::Looking { done, views };
+        }
+        record
+    }
+
+    /// What is to be kept of what is shown.
+    pub(crate) fn to_be_kept(self, before: &Record) -> Record {
+        let mut record = before.clone();
+        record.plan = self.plan();
+        record.history = self.history.get_untracked();
+        record.chosen = self.chosen.get_untracked();
+        let views = self
+            .facts
+            .with_untracked(|facts| facts.as_ref().map_or(0, |facts| facts.stations.len()));
+        record.progress = self.outcome.with_untracked(|outcome| match outcome {
+            Some(outcome) => HowFar::Measured {
+                points: outcome.views.iter().map(|view| view.points.len()).sum(),
+                views,
+            },
+            None => HowFar::Stopped { views },
+        });
+        record
     }
 
     fn is_current(self, lab: &Rc<Lab>) -> bool {

@@ -17,8 +17,10 @@ const SERVICE_WORKER: &str = "service-worker.js";
 /// What stands in the service worker for the list of files, and for the name of the build.
 const FILES_MARK: &str = "[/* files */]";
 const BUILD_MARK: &str = "/* build */";
-/// Fetched when somebody opens one, and kept then.
-const NOT_KEPT: [&str; 2] = ["samples", SERVICE_WORKER];
+/// What the service worker does not know of by name.
+const NOT_LISTED: [&str; 2] = ["samples", SERVICE_WORKER];
+/// Fetched when somebody makes a one-file page, and kept then, as samples are when somebody opens one.
+const KEPT_LATER: &str = "viewer.html";
 
 /// Finishes the page in the folder that Trunk names.
 pub(crate) fn run() -> Result<()> {
@@ -55,13 +57,14 @@ fn list_files(folder: &Path) -> Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if !NOT_KEPT.contains(&name.as_str()) && entry.file_type()?.is_file() {
+        if !NOT_LISTED.contains(&name.as_str()) && entry.file_type()?.is_file() {
             files.insert(name);
         }
     }
     for name in &files {
         (name, read(&folder.join(name))?).hash(&mut hasher);
     }
+    files.remove(KEPT_LATER);
     let script = folder.join(SERVICE_WORKER);
     replace(&script, FILES_MARK, &serde_json::to_string(&files)?)?;
     replace(&script, BUILD_MARK, &format!("{:016x}", hasher.finish()))

@@ -10,7 +10,9 @@
 //! | `packages.rs`, `cache.rs` | the distribution's packages; where what was built once is kept |
 //! | `dist.rs` | what is published, with every address relative |
 //! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
+//! | `tsc.rs` | the TypeScript compiler, which checks these |
 //! | `page.rs`, `finish.rs` | the page through Trunk; its last stroke, which Trunk calls |
+//! | `viewer.rs` | what one-file pages are made of |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
 #![allow(
@@ -35,7 +37,9 @@ mod serve;
 mod setup;
 mod test;
 mod tools;
+mod tsc;
 mod typescript;
+mod viewer;
 
 use std::process::ExitCode;
 
@@ -48,6 +52,7 @@ cargo xtask COMMAND
   serve [--port N] [--release | --debug]   build the page, serve it, print its address
   test [--only STEP]... [-- ARGUMENTS]     every check, in order; ARGUMENTS go to the tests of a single STEP
   dist                                     the page as static files in dist/, for any folder of any host
+  viewer                                   the viewer of one-file pages, in target/viewer/viewer.html
   npm                                      the core as an npm package in target/npm/snellius
   bench [-- ARGUMENTS]                     the core's benchmarks
   setup                                    only install what the others need
@@ -86,6 +91,11 @@ fn run() -> Result<()> {
         "npm" => {
             no_more(arguments)?;
             npm::build()
+        }
+        "viewer" => {
+            no_more(arguments)?;
+            setup::wasm_target()?;
+            viewer::build(&tools::wasm_bindgen_program()?)
         }
         "bench" => bench::run(arguments),
         "setup" => {

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
 use crate::{
-    process::{build_directory, cargo, find_in_path, program, root, run},
+    process::{cargo, find_in_path, program, root, run, target_directory},
     setup::{self, WASM},
     tools, typescript,
 };
@@ -108,15 +108,6 @@ fn types() -> Result<String> {
         schema("result")?,
         schema("settings")?,
     ]))
-}
-
-/// `target`, which lies two levels above where xtask itself was built to.
-fn target_directory() -> Result<PathBuf> {
-    let profile = build_directory()?;
-    let target = profile
-        .parent()
-        .context("xtask lies in no target directory")?;
-    Ok(target.to_owned())
 }
 
 fn copy_all(from: &Path, to: &Path) -> Result<()> {

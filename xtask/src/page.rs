@@ -10,7 +10,8 @@ use anyhow::{Context, Result, ensure};
 
 use crate::{
     process::{path_with, program, root, run},
-    tools::Tools,
+    tools::{self, Tools},
+    viewer,
 };
 
 /// Compressed or not, nobody waits for a page of tens of megabytes. Room to grow is left, but
@@ -46,8 +47,10 @@ pub(crate) fn trunk(tools: &Tools, subcommand: &str, profile: Profile) -> Result
     Ok(command)
 }
 
-/// Builds the page into `dist` and holds its size against the limit.
+/// Builds the page, and the viewer that it makes one-file pages of, into `dist` and holds its size against the
+/// limit.
 pub(crate) fn build(tools: &Tools, profile: Profile, dist: &Path) -> Result<()> {
+    viewer::build(&tools::wasm_bindgen_program()?)?;
     run(trunk(tools, "build", profile)?.arg("--dist").arg(dist))?;
     if profile == Profile::Release {
         let code = code_bytes(dist)?;

@@ -26,6 +26,15 @@ pub(crate) fn build_directory() -> Result<PathBuf> {
     Ok(directory.to_owned())
 }
 
+/// `target`, which lies two levels above where xtask itself was built to.
+pub(crate) fn target_directory() -> Result<PathBuf> {
+    let profile = build_directory()?;
+    let target = profile
+        .parent()
+        .context("xtask lies in no target directory")?;
+    Ok(target.to_owned())
+}
+
 /// A program to be run in the workspace's root, freed of what `cargo run` told xtask about itself.
 pub(crate) fn program(name: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(name);

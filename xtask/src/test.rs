@@ -3,7 +3,7 @@
 use std::{
     ffi::OsString,
     fs,
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::Command,
     time::{Duration, Instant},
 };
@@ -18,7 +18,7 @@ use crate::{
     },
     python,
     setup::{self, WASM},
-    tools,
+    tools, tsc, viewer,
 };
 
 /// One check. They run in the order of this list: what is quick to fail comes first.
@@ -206,7 +206,7 @@ fn exports(rest: &[OsString]) -> Result<Count> {
     run_tests(&mut tests)
 }
 
-/// Builds the companion program.
+/// Builds the companion program, with the viewer beside it.
 fn companion() -> Result<PathBuf> {
     run_to_end(&mut cargo([
         "build",
@@ -221,6 +221,13 @@ fn companion() -> Result<PathBuf> {
         "no companion program at {}",
         companion.display()
     );
+    if !viewer::viewer().is_file() {
+        setup::wasm_target()?;
+        viewer::build(&tools::wasm_bindgen_program()?)?;
+    }
+    let beside = companion.with_file_name("viewer.html");
+    fs::copy(viewer::viewer(), &beside)
+        .with_context(|| format!("cannot write {}", beside.display()))?;
     Ok(companion)
 }
 
@@ -283,6 +290,7 @@ fn npm_tests(rest: &[OsString]) -> Result<Count> {
     let companion = companion()?;
     let folder = root().join("target").join("npm").join("test");
     npm::install_into(&folder)?;
+    types(&node, &folder)?;
     let test = folder.join("node.test.mjs");
     fs::copy(root().join("npm").join("test").join("node.mjs"), &test)?;
     let mut tests = program(node);
@@ -293,6 +301,23 @@ fn npm_tests(rest: &[OsString]) -> Result<Count> {
         .env("SNELLIUS_CLI", companion)
         .env("SNELLIUS_SAMPLE", root().join("samples").join("jar.zip"));
     run_tests(&mut tests)
+}
+
+/// The package's declarations, read by the TypeScript compiler with a program that uses all of them.
+fn types(node: &Path, folder: &Path) -> Result<()> {
+    let Some(compiler) = tsc::ensure()? else {
+        println!("NOT RUN: there is no npm here; the declarations were not checked");
+        return Ok(());
+    };
+    let uses = folder.join("types.mts");
+    fs::copy(root().join("npm").join("test").join("types.ts"), &uses)?;
+    let options = "--noEmit --strict --target es2022 --module nodenext --lib es2022,dom";
+    run_to_end(
+        program(node)
+            .arg(compiler)
+            .args(options.split(' '))
+            .arg(uses),
+    )
 }
 
 fn end_to_end_tests(rest: &[OsString]) -> Result<Count> {

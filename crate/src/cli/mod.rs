@@ -10,6 +10,7 @@ mod files;
 mod index;
 mod reconstruct;
 mod schema;
+mod share;
 mod simulate;
 mod table;
 mod views;
@@ -38,6 +39,8 @@ enum Command {
     Reconstruct(reconstruct::Arguments),
     /// Writes a result in other formats
     Export(export::Arguments),
+    /// Makes a page of one file that shows a scan's reconstruction, anywhere and without a network
+    Share(share::Arguments),
     /// Says what is in a scan archive and what looks wrong
     Check(check::Arguments),
     /// Says what a scan tells of the liquid's refractive index, by every method
@@ -102,6 +105,7 @@ pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Reconstruct(arguments) => reconstruct::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Share(arguments) => share::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Index(arguments) => index::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),

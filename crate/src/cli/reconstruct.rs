@@ -36,20 +36,20 @@ pub(super) struct Arguments {
 
 /// What `--index` says.
 #[derive(Clone, Copy, Debug)]
-enum WantedIndex {
+pub(super) enum WantedIndex {
     Value(f64),
     Method(IndexMethod),
 }
 
 impl WantedIndex {
-    const fn value(self) -> Option<f64> {
+    pub(super) const fn value(self) -> Option<f64> {
         match self {
             Self::Value(value) => Some(value),
             Self::Method(_) => None,
         }
     }
 
-    const fn method(self) -> Option<IndexMethod> {
+    pub(super) const fn method(self) -> Option<IndexMethod> {
         match self {
             Self::Value(_) => None,
             Self::Method(method) => Some(method),

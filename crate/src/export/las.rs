@@ -25,6 +25,7 @@ pub fn object_las(result: &ReconstructionResult) -> Result<Vec<u8>, las::Error> 
     builder.generating_software = format!("Snellius {VERSION}");
     builder.system_identifier = "laser range finder".to_owned();
     builder.transforms = transforms(&points);
+    fit(&points, &builder.transforms)?;
     builder.vlrs = vec![about(result), extra_bytes_record()];
     let mut las_header = builder.into_header()?;
     las_header.set_wkt_crs(coordinate_system().into_bytes())?;
@@ -43,7 +44,7 @@ fn las_point(point: &ObjectPoint) -> Point {
         z,
         return_number: 1,
         number_of_returns: 1,
-        point_source_id: u16::try_from(point.scan + 1).unwrap_or(u16::MAX),
+        point_source_id: u16::try_from(point.scan.saturating_add(1)).unwrap_or(u16::MAX),
         // Point format 6 has a time; a scan has none.
         gps_time: Some(0.0),
         extra_bytes: ExtraBytes::of(point),
@@ -62,6 +63,23 @@ fn transforms(points: &[ObjectPoint]) -> Vector<Transform> {
         y: axis(1),
         z: axis(2),
     }
+}
+
+/// Holds the points against the 32 bits beforehand: the writer panics if it meets too large a number.
+fn fit(points: &[ObjectPoint], transforms: &Vector<Transform>) -> Result<(), las::Error> {
+    const MOST_STEPS: f64 = 2e9;
+    let transforms = [transforms.x, transforms.y, transforms.z];
+    for point in points {
+        for (place, transform) in point.place.into_iter().zip(transforms) {
+            if (place - transform.offset).abs() > MOST_STEPS * transform.scale {
+                return Err(las::Error::InvalidInverseTransform {
+                    n: place,
+                    transform,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// What follows each point: the measures as doubles, scan and view as unsigned integers.

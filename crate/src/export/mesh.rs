@@ -161,7 +161,11 @@ fn stitch(
             .get(j + 1)
             .map(|next| distance(first[i], *next, vertices));
         let (here, there) = (first[i], second[j]);
-        if on_first.unwrap_or(f64::INFINITY) <= on_second.unwrap_or(f64::INFINITY) {
+        let goes_on_first = match (on_first, on_second) {
+            (Some(on_first), Some(on_second)) => on_first <= on_second,
+            (on_first, _) => on_first.is_some(),
+        };
+        if goes_on_first {
             i += 1;
             triangles.push([here, there, first[i]]);
         } else {

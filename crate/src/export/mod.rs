@@ -35,7 +35,7 @@ pub use mesh::{Mesh, object_mesh};
 pub use obj::mesh_obj;
 pub use pcd::object_pcd;
 pub use ply::{object_ply, vessel_ply};
-pub use report::report_html;
+pub use report::{report_figures, report_html};
 pub use result::{
     BaseResult, GlowResult, InsideResult, LineResult, MediaResult, OneOrMany, ReconstructionFormat,
     ReconstructionResult, RefusedResult, ResultError, ShapeChoiceResult, SpotResult, Status,

@@ -3,10 +3,13 @@ use std::io::{Read, Seek};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use super::append::{Tail, append};
 use super::{Limits, Manifest, Picture, PicturePair, Place, Scan, ScanError};
 
 /// The manifest's name within an archive.
 pub const MANIFEST_NAME: &str = "scan.json";
+/// How the names of notes begin that are no part of the scan.
+const SESSION_NAME: &str = "session-";
 
 /// A scan archive, read as needed: opening it reads the ZIP's central directory and the manifest, and
 /// each view's pictures are read when asked for. The archive may be larger than memory.
@@ -64,6 +67,37 @@ impl<R: Read + Seek> Archive<R> {
             .map(|name| self.picture(&name, Place::view(view, "off")))
             .transpose()?;
         Ok(PicturePair { on, off })
+    }
+
+    /// What was added last with [`Archive::with_session`], if anything was.
+    pub fn session(&mut self) -> Option<String> {
+        let path = self.sessions().max()?;
+        let place = Place::key(SESSION_NAME);
+        let limit = self.limits.manifest_bytes;
+        let text = read_entry(&mut self.zip, &path, SESSION_NAME, &place, limit);
+        String::from_utf8(text.ok()?).ok()
+    }
+
+    /// The archive with a note of how it is being measured, which is no part of the scan: an entry
+    /// `session-NNNN.json` beside the manifest, numbered upwards. Readers of scans pass it over.
+    pub fn with_session(self, note: &str) -> Result<Tail, ScanError> {
+        let name = format!(
+            "{}{SESSION_NAME}{:04}.json",
+            self.folder,
+            self.sessions().count()
+        );
+        let reader = self.zip.into_inner();
+        append(reader, &name, note.as_bytes()).map_err(|e| ScanError::NotAnArchive {
+            problem: e.to_string(),
+        })
+    }
+
+    fn sessions(&self) -> impl Iterator<Item = String> {
+        let start = format!("{}{SESSION_NAME}", self.folder);
+        let names = self.zip.file_names().filter_map(Result::ok);
+        names
+            .filter(move |name| name.starts_with(&start))
+            .map(Into::into)
     }
 
     fn picture(&mut self, name: &str, place: Place) -> Result<Picture, ScanError> {

@@ -1,5 +1,6 @@
 //! What a scan is: its manifest, the archive that holds it, the pictures of its views.
 
+mod append;
 mod archive;
 mod check;
 mod error;
@@ -10,6 +11,7 @@ mod sweeps;
 mod validate;
 mod write;
 
+pub use append::Tail;
 pub use archive::{Archive, MANIFEST_NAME};
 pub use error::{Place, ScanError};
 pub use manifest::{

@@ -1,5 +1,6 @@
-//! A reconstruction in a link: settings and result as the fragment of a page's address, which no server
-//! ever sees.
+//! Passing a reconstruction on without any server: in a link, or in a page of one file.
+//!
+//! A link holds settings and result as the fragment of a page's address, which no server ever sees:
 //!
 //! ```text
 //! #r1=<base64url of the deflated payload>
@@ -13,10 +14,20 @@
 //!
 //! `r1` is version 1. A link that was made once opens for ever: what decodes it stays, and
 //! `tests/data/link-v1.txt` is opened by a test.
+//!
+//! A one-file page ([`one_file`]) is the viewer, which is built once, with a [`Document`] put in; what the
+//! viewer needs of the optics is in [`Sightlines`].
 
 mod columns;
+mod document;
 mod head;
+mod one_file;
+mod sightlines;
 mod views;
+
+pub use document::{Document, DocumentError, DocumentFormat};
+pub use one_file::{document_in, one_file};
+pub use sightlines::Sightlines;
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -184,15 +195,20 @@ pub fn decode(fragment: &str) -> Result<Shared, LinkError> {
     })
 }
 
+/// Whether a fragment is a link of this program, of whatever version; it may still be damaged.
+pub fn is_link(fragment: &str) -> bool {
+    version(fragment).is_some()
+}
+
+fn version(fragment: &str) -> Option<&str> {
+    let (version, _) = fragment.strip_prefix('r')?.split_once('=')?;
+    let is_number = version.bytes().all(|b| b.is_ascii_digit());
+    ((1..=6).contains(&version.len()) && is_number).then_some(version)
+}
+
 /// What a fragment is that is not of this version.
 fn other(fragment: &str) -> LinkError {
-    let version = fragment
-        .strip_prefix('r')
-        .and_then(|rest| rest.split_once('='))
-        .map(|(version, _)| version)
-        .filter(|version| (1..=6).contains(&version.len()))
-        .filter(|version| version.bytes().all(|b| b.is_ascii_digit()));
-    match version {
+    match version(fragment) {
         Some(version) => LinkError::Version(version.to_owned()),
         None => LinkError::NotOurs,
     }

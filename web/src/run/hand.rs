@@ -12,9 +12,11 @@ use wasm_bindgen::prelude::*;
 use web_sys::{Blob, ErrorEvent, MessageEvent, Url, Worker};
 
 use super::figure::{FigureForm, FigureOf, Figured};
+use super::guest::Guest;
 use super::messages::{
     Answer, PictureSet, Question, READY, Reply, Request, Thumbnail, WrittenSpots,
 };
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::program::Program;
@@ -155,6 +157,51 @@ impl Hand {
     /// Has it write a file.
     pub(crate) async fn write(&self, format: Format) -> Result<Uint8Array, Problem> {
         match self.ask(Request::Write(format)).await? {
+            Reply::Written(bytes) => Ok(bytes),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it put a note into the archive; says how many of its first bytes stay, and what follows them.
+    pub(crate) async fn note(&self, note: String) -> Result<(f64, Uint8Array), Problem> {
+        match self.ask(Request::Note(note)).await? {
+            Reply::Noted(keep, bytes) => Ok((keep, bytes)),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it open what a link holds.
+    pub(crate) async fn open_link(&self, fragment: String) -> Result<Guest, Problem> {
+        self.receive(Request::OpenLink(fragment)).await
+    }
+
+    /// Has it open a file that was passed on.
+    pub(crate) async fn open_passed(&self, file: Blob) -> Result<Guest, Problem> {
+        self.receive(Request::OpenPassed(file)).await
+    }
+
+    async fn receive(&self, request: Request) -> Result<Guest, Problem> {
+        match self.ask(request).await? {
+            Reply::Received(guest) => Ok(*guest),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it make a link.
+    pub(crate) async fn link(&self, settings: Settings) -> Result<LinkMade, Problem> {
+        match self.ask(Request::Link(settings)).await? {
+            Reply::Linked(made) => Ok(made),
+            _ => Err(unexpected()),
+        }
+    }
+
+    /// Has it write a one-file page.
+    pub(crate) async fn page(
+        &self,
+        settings: Settings,
+        wish: PageWish,
+    ) -> Result<Uint8Array, Problem> {
+        match self.ask(Request::Page(settings, wish)).await? {
             Reply::Written(bytes) => Ok(bytes),
             _ => Err(unexpected()),
         }

@@ -2,10 +2,11 @@
 //! settings cost only what depends on them.
 
 use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 
 use futures::future::try_join_all;
-use js_sys::Uint8Array;
+use js_sys::{Array, Uint8Array};
 use snellius::export::Format;
 use snellius::pipeline::Settings;
 use snellius::spots::SpotSettings;
@@ -14,6 +15,7 @@ use web_sys::Blob;
 use super::figure::{FigureForm, FigureOf, Figured};
 use super::hand::Hand;
 use super::messages::{PictureSet, Thumbnail, WrittenSpots};
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::{Problem, ProblemKind};
 use super::report::{Facts, Outcome};
@@ -24,6 +26,8 @@ use super::study::Study;
 pub(crate) struct Progress {
     /// Views whose spots are found.
     pub(crate) done: usize,
+    /// Those of them that were found another time.
+    pub(crate) at_hand: usize,
     /// Views in all; 0 until the archive is open.
     pub(crate) views: usize,
     /// Seconds since the first view was begun.
@@ -38,6 +42,10 @@ pub(crate) struct Lab {
     observers: RefCell<Vec<Rc<Hand>>>,
     /// The spots of all views, and the settings they were found with.
     found: RefCell<Option<(SpotSettings, Rc<Vec<WrittenSpots>>)>>,
+    /// WrittenSpots of single views, and how they were looked for: those of a search that is not at its end.
+    partly: RefCell<(SpotSettings, BTreeMap<usize, WrittenSpots>)>,
+    /// The views in it that were found since somebody asked.
+    news: RefCell<Vec<usize>>,
     /// Measures vessel and object. It is not here while it does.
     measurer: RefCell<Option<Measurer>>,
 }
@@ -59,6 +67,8 @@ impl Lab {
             facts,
             observers: RefCell::default(),
             found: RefCell::new(None),
+            partly: RefCell::default(),
+            news: RefCell::default(),
             measurer: RefCell::new(Some(Measurer {
                 hand,
                 spots: None,
@@ -70,6 +80,31 @@ impl Lab {
     /// What is known before anything is measured.
     pub(crate) const fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    /// Takes over spots that were found another time.
+    pub(crate) fn remember(&self, settings: SpotSettings, spots: Vec<(usize, WrittenSpots)>) {
+        let views = self.facts.stations.len();
+        let spots = spots.into_iter().filter(|(view, _)| *view < views);
+        self.partly.replace((settings, spots.collect()));
+    }
+
+    /// The spots that were found since this was asked last, if any.
+    pub(crate) fn news(&self) -> Option<(SpotSettings, Vec<(usize, WrittenSpots)>)> {
+        let (partly, found) = (self.partly.borrow(), self.found.borrow());
+        let (with, partly) = &*partly;
+        let of = |view: usize| {
+            let whole = found.as_ref().filter(|(settings, _)| settings == with);
+            let whole = whole.and_then(|(_, spots)| spots.get(view));
+            Some((view, partly.get(&view).or(whole)?.clone()))
+        };
+        let news: Vec<_> = self.news.take().into_iter().filter_map(of).collect();
+        (!news.is_empty()).then_some((*with, news))
+    }
+
+    fn note(&self, view: usize, spots: &WrittenSpots) {
+        self.partly.borrow_mut().1.insert(view, spots.clone());
+        self.news.borrow_mut().push(view);
     }
 
     /// Measures the archive: what a change does not concern is not done again. Dropping the future
@@ -134,18 +169,38 @@ impl Lab {
         (of, form): (FigureOf, FigureForm),
         plan: &Plan,
     ) -> Result<Figured, Problem> {
-        let measurer = self.measurer_with(plan).await?;
-        let figured = measurer.hand.figure(of, form).await;
-        self.measurer.replace(Some(measurer));
-        figured
+        let figure = async |hand: &Hand| hand.figure(of, form).await;
+        self.of_measured(plan, figure).await
     }
 
     /// Writes a file of what a plan gives.
     pub(crate) async fn write(&self, format: Format, plan: &Plan) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.write(format).await;
+        self.of_measured(plan, write).await
+    }
+
+    /// Makes a link to what a plan gives.
+    pub(crate) async fn link(&self, plan: &Plan) -> Result<LinkMade, Problem> {
+        let link = async |hand: &Hand| hand.link(plan.settings).await;
+        self.of_measured(plan, link).await
+    }
+
+    /// Writes a one-file page of what a plan gives.
+    pub(crate) async fn page(&self, plan: &Plan, wish: PageWish) -> Result<Uint8Array, Problem> {
+        let write = async |hand: &Hand| hand.page(plan.settings, wish).await;
+        self.of_measured(plan, write).await
+    }
+
+    /// Asks the measurer about what a plan gives.
+    async fn of_measured<T>(
+        &self,
+        plan: &Plan,
+        ask: impl AsyncFnOnce(&Hand) -> Result<T, Problem>,
+    ) -> Result<T, Problem> {
         let measurer = self.measurer_with(plan).await?;
-        let written = measurer.hand.write(format).await;
+        let answer = ask(&measurer.hand).await;
         self.measurer.replace(Some(measurer));
-        written
+        answer
     }
 
     /// The measurer, with the result of a plan on its desk.
@@ -178,12 +233,18 @@ impl Lab {
             return Ok(Rc::clone(spots));
         }
         let views = self.facts.stations.len();
-        let list = WorkList::new(views, tell);
+        if self.partly.borrow().0 != settings.spots {
+            self.partly.replace((settings.spots, BTreeMap::new()));
+            self.news.take();
+        }
+        let at_hand = self.partly.borrow().1.clone();
+        let list = WorkList::new(views, at_hand, tell);
         let work = (0..cores().min(views)).map(|number| {
             let list = &list;
             async move {
                 let hand = self.observer(number).await?;
-                list.work_off(&hand, settings).await;
+                let note = |view, spots: &WrittenSpots| self.note(view, spots);
+                list.work_off(&hand, settings, note).await;
                 Ok::<_, Problem>(())
             }
         });
@@ -191,6 +252,7 @@ impl Lab {
         let spots = Rc::new(list.spots()?);
         self.found
             .replace(Some((settings.spots, Rc::clone(&spots))));
+        self.partly.borrow_mut().1.clear();
         Ok(spots)
     }
 
@@ -233,6 +295,18 @@ impl Lab {
     }
 }
 
+/// An archive with a note in it; nothing of it is copied.
+pub(crate) async fn with_note(archive: &Blob, note: String) -> Result<Blob, Problem> {
+    let hand = Hand::start().await?;
+    hand.open(archive).await?;
+    let (keep, tail) = hand.note(note).await?;
+    let own = |_| Problem::own("The browser could not join the parts of the file.");
+    let kept = archive.slice_with_f64_and_f64(0.0, keep).map_err(own)?;
+    let tail = Blob::new_with_u8_array_sequence(&Array::of1(&tail)).map_err(own)?;
+    let parts = Array::of2(&kept, &tail);
+    Blob::new_with_blob_sequence(&parts).map_err(own)
+}
+
 fn busy() -> Problem {
     Problem::own("The scan is being measured anew.")
 }
@@ -246,22 +320,30 @@ fn cores() -> usize {
 
 /// The views still to be looked at, from which every hand takes the next when it is free.
 struct WorkList<T> {
-    next: Cell<usize>,
+    open: RefCell<VecDeque<usize>>,
     found: RefCell<Vec<Option<WrittenSpots>>>,
     /// The first view that cannot be used, and why.
     failed: RefCell<Option<(usize, Problem)>>,
     done: Cell<usize>,
+    at_hand: usize,
     begun: f64,
     tell: T,
 }
 
 impl<T: Fn(Progress)> WorkList<T> {
-    fn new(views: usize, tell: T) -> Self {
+    fn new(views: usize, at_hand: BTreeMap<usize, WrittenSpots>, tell: T) -> Self {
+        let done = at_hand.len();
+        let mut found = vec![None; views];
+        for (view, spots) in at_hand {
+            found[view] = Some(spots);
+        }
+        let open = (0..views).filter(|view| found[*view].is_none());
         let list = Self {
-            next: Cell::new(0),
-            found: RefCell::new(vec![None; views]),
+            open: RefCell::new(open.collect()),
+            found: RefCell::new(found),
             failed: RefCell::new(None),
-            done: Cell::new(0),
+            done: Cell::new(done),
+            at_hand: done,
             begun: super::now(),
             tell,
         };
@@ -269,10 +351,13 @@ impl<T: Fn(Progress)> WorkList<T> {
         list
     }
 
-    async fn work_off(&self, hand: &Hand, settings: Settings) {
+    async fn work_off(&self, hand: &Hand, settings: Settings, note: impl Fn(usize, &WrittenSpots)) {
         while let Some(view) = self.take() {
             match hand.observe(view, settings).await {
-                Ok(spots) => self.put(view, spots),
+                Ok(spots) => {
+                    note(view, &spots);
+                    self.put(view, spots);
+                }
                 Err(problem) => self.fail(view, problem),
             }
         }
@@ -280,10 +365,8 @@ impl<T: Fn(Progress)> WorkList<T> {
 
     /// The next view, in their order; none after a failure.
     fn take(&self) -> Option<usize> {
-        let view = self.next.get();
-        self.next.set(view + 1);
-        let is_left = view < self.found.borrow().len() && self.failed.borrow().is_none();
-        is_left.then_some(view)
+        let view = self.open.borrow_mut().pop_front();
+        view.filter(|_| self.failed.borrow().is_none())
     }
 
     fn put(&self, view: usize, spots: WrittenSpots) {
@@ -304,6 +387,7 @@ impl<T: Fn(Progress)> WorkList<T> {
     fn report(&self) {
         (self.tell)(Progress {
             done: self.done.get(),
+            at_hand: self.at_hand,
             views: self.found.borrow().len(),
             seconds: (super::now() - self.begun) / 1000.0,
         });

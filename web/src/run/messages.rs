@@ -11,6 +11,8 @@ use wasm_bindgen::JsValue;
 use web_sys::Blob;
 
 use super::figure::{FigureForm, FigureOf, Figured};
+use super::guest::Guest;
+use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
@@ -58,6 +60,16 @@ pub(crate) enum Request {
     Figure { of: FigureOf, form: FigureForm },
     /// Write a file from what was measured last. Answered by `Written`.
     Write(Format),
+    /// Say what must follow the archive's first bytes so that it holds a note. Answered by `Noted`.
+    Note(String),
+    /// Open what a link holds; everything after is about it. Answered by `Received`.
+    OpenLink(String),
+    /// Open a file that was passed on; everything after is about it. Answered by `Received`.
+    OpenPassed(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
+    /// Make a link to what was measured last with these settings. Answered by `Linked`.
+    Link(Settings),
+    /// Write a one-file page of what was measured last with these settings. Answered by `Written`.
+    Page(Settings, PageWish),
 }
 
 /// What a worker answers.
@@ -74,6 +86,13 @@ pub(crate) enum Reply {
     Thumbnail(Thumbnail),
     Figured(Figured),
     Written(#[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array),
+    /// How many of the archive's first bytes stay, and what follows them.
+    Noted(
+        f64,
+        #[serde(with = "serde_wasm_bindgen::preserve")] Uint8Array,
+    ),
+    Received(Box<Guest>),
+    Linked(LinkMade),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.
@@ -85,7 +104,9 @@ impl Reply {
     pub(crate) fn transfer(&self) -> Array {
         match self {
             Self::Pictures(set) => set.buffers(),
-            Self::Observed(bytes) | Self::Written(bytes) => Array::of1(&bytes.buffer()),
+            Self::Observed(bytes) | Self::Written(bytes) | Self::Noted(_, bytes) => {
+                Array::of1(&bytes.buffer())
+            }
             Self::Thumbnail(thumbnail) => Array::of1(&thumbnail.pixels.buffer()),
             _ => Array::new(),
         }

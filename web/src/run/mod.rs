@@ -3,11 +3,13 @@
 mod blob_reader;
 mod develop;
 mod figure;
+mod guest;
 mod hand;
 mod lab;
 mod mesh;
 mod messages;
 mod packed;
+mod passing;
 mod plan;
 mod problem;
 mod program;
@@ -16,13 +18,17 @@ mod study;
 pub(crate) mod worker;
 
 pub(crate) use figure::{FigureForm, FigureOf, Figured};
-pub(crate) use lab::{Lab, Progress};
+pub(crate) use guest::{About, Guest};
+pub(crate) use hand::Hand;
+pub(crate) use lab::{Lab, Progress, with_note};
 pub(crate) use mesh::{Mesh, Through};
-pub(crate) use messages::{PictureSet, Thumbnail};
+pub(crate) use messages::{PictureSet, Thumbnail, WrittenSpots};
+pub(crate) use passing::{LinkMade, PageWish};
 pub(crate) use plan::Plan;
 pub(crate) use problem::{Problem, ProblemKind};
+pub(crate) use program::build;
 pub(crate) use report::{
-    Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, StationFacts, VesselPoint, Wall,
+    Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, Stand, VesselPoint, Wall,
 };
 pub(crate) use study::{CurveKind, MethodReport, Study, StudyCurve};
 

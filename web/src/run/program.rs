@@ -78,6 +78,11 @@ impl Program {
     }
 }
 
+/// What tells this build of the program from others.
+pub(crate) fn build() -> String {
+    name().unwrap_or_default()
+}
+
 /// The program's name, relative to the page.
 fn name() -> Option<String> {
     let element = document().query_selector(NAME).ok()??;

@@ -34,15 +34,24 @@ pub(crate) struct Facts {
     pub(crate) sweeps: usize,
     /// The stations, in the manifest's order.
     pub(crate) stations: Vec<StationFacts>,
+    /// The session that was packed with the scan, as it is written down.
+    pub(crate) session: Option<String>,
 }
 
-/// Where a view was taken from.
+/// A view, and where it was taken from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StationFacts {
     /// The view's id.
     pub(crate) id: String,
     /// The sweep it belongs to, from 0.
     pub(crate) sweep: usize,
+    /// Where the rig stood; not known of a reconstruction that came in a link.
+    pub(crate) stand: Option<Stand>,
+}
+
+/// Where the rig stood.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Stand {
     /// The camera's centre.
     pub(crate) camera: Place,
     /// The picture's corners as seen from the camera, a millimetre ahead; clockwise from top left.
@@ -191,6 +200,7 @@ impl Facts {
         let stations = scan.stations.iter().zip(&manifest.views).zip(&sweep_of);
         Self {
             name: manifest.name.clone(),
+            session: None,
             given_index: manifest.media.inside,
             declared_shape: manifest.vessel.shape,
             picture: [manifest.camera.width, manifest.camera.height],
@@ -213,6 +223,14 @@ fn epipolar_line(scan: &Scan) -> Vec<[f64; 2]> {
 }
 
 fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize) -> StationFacts {
+    StationFacts {
+        id: id.to_owned(),
+        sweep,
+        stand: Some(stand(scan, pose)),
+    }
+}
+
+fn stand(scan: &Scan, pose: &Pose<World, Camera>) -> Stand {
     let camera = &scan.rig.camera;
     let (right, bottom) = (f64::from(camera.width), f64::from(camera.height));
     let corner = |u: f64, v: f64| {
@@ -225,9 +243,7 @@ fn station_facts(scan: &Scan, pose: &Pose<World, Camera>, id: &str, sweep: usize
         pose.point(Point::from_coords(slope.homogeneous()))
             .to_array()
     };
-    StationFacts {
-        id: id.to_owned(),
-        sweep,
+    Stand {
         camera: pose.point(Point::origin()).to_array(),
         corners: [
             corner(0.0, 0.0),
@@ -334,7 +350,7 @@ impl Packed for ObjectPoint {
 }
 
 impl Spot {
-    fn of(spot: &SpotResult) -> Self {
+    pub(super) fn of(spot: &SpotResult) -> Self {
         Self {
             pixel: spot.pixel.map(|p| p as f32),
             role: spot.role,
@@ -384,7 +400,7 @@ impl Packed for VesselPoint {
     }
 }
 
-fn face(wall: &snellius::vessel::Wall) -> Face {
+pub(super) fn face(wall: &snellius::vessel::Wall) -> Face {
     match &wall.outer {
         Surface::Plane(plane) => Face::Plane {
             point: plane.point.to_array(),
@@ -467,7 +483,7 @@ fn view_outcome(
 }
 
 /// The points of a line: the wall's, the object's, the others.
-fn line_spots(line: &LineResult) -> Vec<Spot> {
+pub(super) fn line_spots(line: &LineResult) -> Vec<Spot> {
     let roles = [
         (&line.vessel, SpotRole::Vessel),
         (&line.object, SpotRole::Object),
@@ -483,10 +499,10 @@ fn line_spots(line: &LineResult) -> Vec<Spot> {
     roles.into_iter().flat_map(of_role).collect()
 }
 
-fn places(points: &[Point<World>]) -> Vec<Place> {
+pub(super) fn places(points: &[Point<World>]) -> Vec<Place> {
     points.iter().map(|point| point.to_array()).collect()
 }
 
-fn shown(place: Place) -> Shown {
+pub(super) fn shown(place: Place) -> Shown {
     place.map(|part| part as f32)
 }

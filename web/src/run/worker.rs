@@ -5,15 +5,18 @@ use std::io::BufReader;
 
 use js_sys::{Array, Uint8Array};
 use snellius::export::{Format, ReconstructionResult};
-use snellius::pipeline::{correct, observe, reconstruct, study_index};
+use snellius::pipeline::{Settings, correct, observe, reconstruct, study_index};
 use snellius::scan::Archive;
+use snellius::share::Document;
 use snellius::spots::Spots;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
 
 use super::blob_reader::BlobReader;
 use super::develop::{develop, thumbnail};
+use super::guest::Guest;
 use super::messages::{Answer, Question, READY, Reply, Request};
+use super::passing;
 use super::plan::Plan;
 use super::problem::Problem;
 use super::report::{Facts, Outcome};
@@ -31,6 +34,8 @@ struct Desk {
     archive: Option<OpenArchive>,
     spots: Vec<Spots>,
     result: Option<ReconstructionResult>,
+    /// What was passed on, in place of an archive.
+    passed_on: Option<Document>,
     /// What was said last of the index, and for which plan.
     study: Option<(Plan, Study)>,
 }
@@ -102,14 +107,29 @@ impl Desk {
                 Ok(Reply::Figured(of.make(form, result, study)))
             }
             Request::Write(format) => self.write(format),
+            Request::Note(note) => self.note(&note),
+            Request::OpenLink(fragment) => {
+                let (document, rounding) = passing::from_link(&fragment)?;
+                self.receive(document, Some(rounding))
+            }
+            Request::OpenPassed(file) => self.receive(passing::from_file(&file)?, None),
+            Request::Link(settings) => {
+                let result = self.result.as_ref().ok_or_else(out_of_order)?;
+                passing::link(&settings, result).map(Reply::Linked)
+            }
+            Request::Page(settings, wish) => {
+                let page = passing::page(wish, self.document(settings)?)?;
+                Ok(Reply::Written(page.as_bytes().into()))
+            }
         }
     }
 
     fn open(&mut self, file: Blob) -> Result<Reply, Problem> {
         let reader = BlobReader::new(file)
             .map_err(|e| Problem::own(format!("The browser gives no file reader: {e:?}")))?;
-        let archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
-        let facts = Facts::of(archive.scan());
+        let mut archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
+        let mut facts = Facts::of(archive.scan());
+        facts.session = archive.session();
         self.archive = Some(archive);
         Ok(Reply::Opened(Box::new(facts)))
     }
@@ -150,6 +170,39 @@ impl Desk {
         let result = self.result.as_ref().ok_or_else(out_of_order)?;
         let bytes = result.write(format)?;
         Ok(Reply::Written(Uint8Array::from(bytes.as_slice())))
+    }
+
+    /// The archive is closed afterwards.
+    fn note(&mut self, note: &str) -> Result<Reply, Problem> {
+        let archive = self.archive.take().ok_or_else(out_of_order)?;
+        let tail = archive.with_session(note)?;
+        let bytes = Uint8Array::from(tail.bytes.as_slice());
+        Ok(Reply::Noted(tail.keep as f64, bytes))
+    }
+
+    /// Takes in what was passed on in place of an archive.
+    fn receive(&mut self, document: Document, rounding: Option<f64>) -> Result<Reply, Problem> {
+        let guest = Guest::of(&document, rounding)?;
+        self.result = Some(document.result.clone());
+        self.passed_on = Some(document);
+        Ok(Reply::Received(Box::new(guest)))
+    }
+
+    /// What was measured last, or was passed on, to be passed on.
+    fn document(&self, settings: Settings) -> Result<Document, Problem> {
+        if let Some(document) = &self.passed_on {
+            return Ok(document.clone());
+        }
+        let result = self.result.clone().ok_or_else(out_of_order)?;
+        let archive = self.archive.as_ref().ok_or_else(out_of_order)?;
+        let manifest = archive.scan().manifest.clone();
+        Ok(Document::new(
+            None,
+            String::new(),
+            settings,
+            Some(manifest),
+            result,
+        ))
     }
 
     fn archive(&mut self) -> Result<&mut OpenArchive, Problem> {

@@ -16,7 +16,7 @@ use super::points::ScenePoint;
 use super::section::Slab;
 use crate::colours::{MIDDLE, Scale};
 use crate::measuring::Picked;
-use crate::run::{Facts, Outcome, Place, Shown, StationFacts};
+use crate::run::{Facts, Outcome, Place, Shown, Stand};
 use crate::state::{ColourBy, Section, SectionAxis};
 
 /// More beams would hide what they light.
@@ -91,8 +91,9 @@ impl Content {
 
     /// As [`Content::extent`], with the rig's stations.
     pub(super) fn whole_extent(&self) -> Vec<Vec3> {
-        let stations = self.facts().into_iter().flat_map(|f| f.stations.iter());
-        let rig = stations.flat_map(|s| [vector(s.camera), vector(s.laser)]);
+        let rig = self
+            .stands()
+            .flat_map(|s| [vector(s.camera), vector(s.laser)]);
         self.extent().into_iter().chain(rig).collect()
     }
 
@@ -106,11 +107,14 @@ impl Content {
 
     /// From the scene towards the rig, across up.
     fn front_direction(&self) -> Vec3 {
-        let Some((facts, _)) = &self.measured else {
+        let Some((facts, outcome)) = &self.measured else {
             return vec3(0.0, 0.0, -1.0);
         };
         let up = up(facts);
-        let back = -mean(facts, |station| station.ahead);
+        let back = match stands(facts).next() {
+            Some(_) => -mean(facts, |stand| stand.ahead),
+            None => towards_wall(outcome),
+        };
         let level = back - up * back.dot(up);
         // A rig that looks straight down has no front; any will do.
         if level.magnitude() > 0.05 {
@@ -123,8 +127,9 @@ impl Content {
     /// Cameras and the wall's edges.
     pub(super) fn solid_lines(&self, palette: &Palette) -> Vec<Line> {
         let size = self.station_size();
-        let stations = self.facts().into_iter().flat_map(|f| f.stations.iter());
-        let cameras = stations.flat_map(|s| camera_lines(s, size, palette.station));
+        let cameras = self
+            .stands()
+            .flat_map(|s| camera_lines(s, size, palette.station));
         let edges = self.patch.iter().flat_map(|p| p.edges(palette.wall_edge));
         cameras.chain(edges).collect()
     }
@@ -136,9 +141,9 @@ impl Content {
             // Of a sheet of light, a few rays.
             let points = outcome.vessel.iter();
             let beams = points.step_by(outcome.vessel.len() / MOST_BEAMS + 1);
-            beams.map(|point| {
-                let laser = vector(facts.stations[point.view].laser);
-                Line::new(laser, shown(point.place), palette.station_beam)
+            beams.filter_map(|point| {
+                let laser = vector(facts.stations[point.view].stand?.laser);
+                Some(Line::new(laser, shown(point.place), palette.station_beam))
             })
         });
         grid.chain(beams).collect()
@@ -245,10 +250,7 @@ impl Content {
 
     /// Stations are drawn large enough to be seen and small enough not to hide each other.
     fn station_size(&self) -> f32 {
-        let Some(facts) = self.facts() else {
-            return 1.0;
-        };
-        let places: Vec<Vec3> = facts.stations.iter().map(|s| vector(s.camera)).collect();
+        let places: Vec<Vec3> = self.stands().map(|s| vector(s.camera)).collect();
         let steps = places
             .windows(2)
             .map(|pair| (pair[1] - pair[0]).magnitude());
@@ -258,8 +260,9 @@ impl Content {
         (usual * 1.4).clamp(6.0, 30.0)
     }
 
-    fn facts(&self) -> Option<&Facts> {
-        self.measured.as_ref().map(|(facts, _)| facts.as_ref())
+    /// Where the rig stood, as far as that is known.
+    fn stands(&self) -> impl Iterator<Item = &Stand> {
+        self.measured.iter().flat_map(|(facts, _)| stands(facts))
     }
 }
 
@@ -304,7 +307,7 @@ fn straightened(bent: &[Vec3], straight_end: Option<Vec3>, refraction: f32) -> V
 }
 
 /// A pyramid from the camera's centre over the picture's corners, with a tick upwards; and the laser.
-fn camera_lines(station: &StationFacts, size: f32, colour: [f32; 4]) -> Vec<Line> {
+fn camera_lines(station: &Stand, size: f32, colour: [f32; 4]) -> Vec<Line> {
     let eye = vector(station.camera);
     let corners = station.corners.map(|c| eye + (vector(c) - eye) * size);
     let [top_left, top_right, bottom_right, bottom_left] = corners;
@@ -319,6 +322,22 @@ fn camera_lines(station: &StationFacts, size: f32, colour: [f32; 4]) -> Vec<Line
         .collect()
 }
 
+/// From the object to the wall before it, of length 1; nothing without points.
+fn towards_wall(outcome: &Outcome) -> Vec3 {
+    let middle = |places: &mut dyn Iterator<Item = Shown>| {
+        let mut count = 0.0_f32;
+        let sum = places.fold(vec3(0.0, 0.0, 0.0), |sum, place| {
+            count += 1.0;
+            sum + shown(place)
+        });
+        sum / count.max(1.0)
+    };
+    let wall = middle(&mut outcome.vessel.iter().map(|point| point.place));
+    let way = wall - middle(&mut outcome.object.iter().map(|point| point.place));
+    let length = way.magnitude();
+    if length > 0.0 { way / length } else { way }
+}
+
 /// The scene's up: against the pictures' down, on the average.
 fn up(facts: &Facts) -> Vec3 {
     let down = mean(facts, |station| station.down);
@@ -329,11 +348,13 @@ fn up(facts: &Facts) -> Vec3 {
     }
 }
 
-fn mean(facts: &Facts, of: impl Fn(&StationFacts) -> Place) -> Vec3 {
+fn stands(facts: &Facts) -> impl Iterator<Item = &Stand> {
     let stations = facts.stations.iter();
-    let sum = stations.fold(vec3(0.0, 0.0, 0.0), |sum, station| {
-        sum + vector(of(station))
-    });
+    stations.filter_map(|station| station.stand.as_ref())
+}
+
+fn mean(facts: &Facts, of: impl Fn(&Stand) -> Place) -> Vec3 {
+    let sum = stands(facts).fold(vec3(0.0, 0.0, 0.0), |sum, stand| sum + vector(of(stand)));
     sum / facts.stations.len().max(1) as f32
 }
 

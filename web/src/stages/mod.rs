@@ -17,6 +17,7 @@ use self::numbers::{Number, brief, numbers};
 use self::study::IndexStudy;
 use crate::problem_note::ProblemText;
 use crate::run::ProblemKind;
+use crate::share::PassOn;
 use crate::state::{StageState, Workbench};
 
 /// What a section of the panel is about.
@@ -39,9 +40,23 @@ const SECTIONS: [(Section, &str, &str); 6] = [
 /// The stages, one below the other.
 #[component]
 pub(crate) fn Stages() -> impl IntoView {
+    let is_guest = Memo::new(move |_| Workbench::get().guest.with(Option::is_some));
+    // Of a reconstruction without its archive there is nothing to say of scan and spots.
+    let shown = move |section| match section {
+        Section::Of(stage) => stage >= Stage::Vessel || !is_guest.get(),
+        Section::Share => true,
+    };
     view! {
         <section class="stages panel" aria-label="Stages">
-            {SECTIONS.map(|(section, name, id)| view! { <StageSection section name id /> }).collect_view()}
+            {SECTIONS
+                .map(|(section, name, id)| {
+                    view! {
+                        <Show when=move || shown(section)>
+                            <StageSection section name id />
+                        </Show>
+                    }
+                })
+                .collect_view()}
         </section>
     }
 }
@@ -83,7 +98,13 @@ fn StageSection(section: Section, name: &'static str, id: &'static str) -> impl 
             <div class="stage-body">
                 {match section {
                     Section::Of(stage) => view! { <StageBody stage /> }.into_any(),
-                    Section::Share => view! { <Downloads /> }.into_any(),
+                    Section::Share => {
+                        view! {
+                            <Downloads />
+                            <PassOn />
+                        }
+                            .into_any()
+                    }
                 }}
             </div>
         </details>
@@ -92,19 +113,22 @@ fn StageSection(section: Section, name: &'static str, id: &'static str) -> impl 
 
 #[component]
 fn StageBody(stage: Stage) -> impl IntoView {
+    let workbench = Workbench::get();
+    let can_change = Memo::new(move |_| workbench.guest.with(Option::is_none));
     view! {
         <Complaint stage />
         <Warnings stage />
-        {(stage == Stage::Index)
-            .then(|| {
-                view! {
-                    <IndexControl />
-                    <IndexStudy />
-                }
-            })}
-        <Choices stage />
+        <Show when=move || can_change.get() && stage == Stage::Index>
+            <IndexControl />
+            <IndexStudy />
+        </Show>
+        <Show when=move || can_change.get()>
+            <Choices stage />
+        </Show>
         <Numbers stage />
-        <Parameters stage />
+        <Show when=move || can_change.get()>
+            <Parameters stage />
+        </Show>
     }
 }
 

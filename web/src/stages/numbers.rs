@@ -71,6 +71,7 @@ pub(super) fn brief(workbench: Workbench, stage: Stage) -> String {
 /// An index with its standard deviation, or that it is somebody's word.
 pub(super) fn index_text(index: Index) -> String {
     match index.sigma {
+        _ if index.value.is_nan() => "not determined".to_owned(),
         Some(sigma) => with_sigma(index.value, sigma),
         None => format!("{}, given", fixed(index.value, 3)),
     }

@@ -63,6 +63,15 @@ fn figure(
     }
 }
 
+/// The report's main figures by themselves, as HTML: vessel and object from above, and the ray distances.
+pub fn report_figures(result: &ReconstructionResult) -> String {
+    let figures = html! {
+        (figure(result, ResultFigure::TopView, [350, 420], "From above"))
+        (figure(result, ResultFigure::RayDistances, [700, 200], "Ray distance l of each object point, views in their order"))
+    };
+    figures.into_string()
+}
+
 fn title(result: &ReconstructionResult) -> String {
     match result.scan.trim() {
         "" => "Reconstruction".to_owned(),
