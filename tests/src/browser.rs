@@ -64,10 +64,34 @@ impl Browser {
             process,
             directory,
         };
-        let (port, path) = browser.debugging_address()?;
-        browser.connection = Some(Connection::open(port, &path)?);
-        browser.keep_downloads()?;
+        browser.connect()?;
         Ok(browser)
+    }
+
+    fn connect(&mut self) -> Result<()> {
+        let (port, path) = self.debugging_address()?;
+        self.connection = Some(Connection::open(port, &path)?);
+        self.keep_downloads()
+    }
+
+    /// Ends Chromium as a power failure would, without a word, and starts it again on what is left.
+    pub fn kill_and_restart(&mut self) -> Result<()> {
+        self.connection = None;
+        self.process.kill()?;
+        self.process.wait()?;
+        let profile = self.directory().join("profile");
+        // The helpers of the one that was killed may hold the profile for a moment longer.
+        std::thread::sleep(Duration::from_secs(1));
+        for left in [
+            "DevToolsActivePort",
+            "SingletonLock",
+            "SingletonSocket",
+            "SingletonCookie",
+        ] {
+            let _ = fs::remove_file(profile.join(left));
+        }
+        self.process = launch(self.directory())?;
+        self.connect()
     }
 
     /// Opens an empty page.

@@ -12,6 +12,7 @@
 //! | `npm.rs`, `typescript.rs` | the core as an npm package, and its types |
 //! | `tsc.rs` | the TypeScript compiler, which checks these |
 //! | `page.rs`, `finish.rs` | the page through Trunk; its last stroke, which Trunk calls |
+//! | `size.rs` | what a visitor loads |
 //! | `viewer.rs` | what one-file pages are made of |
 //! | `serve.rs`, `test.rs`, `bench.rs` | one sub-command each |
 //! | `process.rs` | running other programs |
@@ -35,6 +36,7 @@ mod process;
 mod python;
 mod serve;
 mod setup;
+mod size;
 mod test;
 mod tools;
 mod tsc;

@@ -1,22 +1,18 @@
 //! The page, built by Trunk. How is said in `Trunk.toml` and in `web/index.html`.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     process::Command,
 };
 
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 
 use crate::{
     process::{path_with, program, root, run},
+    size,
     tools::{self, Tools},
     viewer,
 };
-
-/// Compressed or not, nobody waits for a page of tens of megabytes. Room to grow is left, but
-/// a dependency that brings half the world along shall not go unnoticed.
-const LIMIT_BYTES: u64 = 12_000_000;
 
 /// How the page is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,30 +49,7 @@ pub(crate) fn build(tools: &Tools, profile: Profile, dist: &Path) -> Result<()> 
     viewer::build(&tools::wasm_bindgen_program()?)?;
     run(trunk(tools, "build", profile)?.arg("--dist").arg(dist))?;
     if profile == Profile::Release {
-        let code = code_bytes(dist)?;
-        println!("code of the page: {:.2} MB", code as f64 / 1e6);
-        ensure!(
-            code <= LIMIT_BYTES,
-            "the page's code has {code} bytes; the limit is {LIMIT_BYTES} (xtask/src/page.rs)"
-        );
+        size::check(dist)?;
     }
     Ok(())
-}
-
-/// Size of the WebAssembly and JavaScript that a visitor may have to load.
-fn code_bytes(dist: &Path) -> Result<u64> {
-    let files = fs::read_dir(dist).with_context(|| format!("cannot read {}", dist.display()))?;
-    let mut sum = 0;
-    for file in files {
-        let file = file?;
-        let path = file.path();
-        if path
-            .extension()
-            .is_some_and(|kind| kind == "wasm" || kind == "js")
-        {
-            sum += file.metadata()?.len();
-        }
-    }
-    ensure!(sum > 0, "{} holds no code", dist.display());
-    Ok(sum)
 }
