@@ -339,7 +339,7 @@ fn follow(stage: &Stage, workbench: Workbench) {
                             "The browser gives no picture: {error:?}"
                         )));
                     }
-                })
+                });
             }
         }
     });

@@ -47,6 +47,32 @@ const AXES: [(Option<SectionAxis>, &str, &str); 4] = [
     (Some(SectionAxis::Width), "width", "Across width"),
 ];
 
+/// What of a section is slid.
+struct Slider {
+    name: &'static str,
+    test_id: &'static str,
+    least: &'static str,
+    get: fn(&Section) -> f32,
+    set: fn(&mut Section, f32),
+}
+
+const SLIDERS: [Slider; 2] = [
+    Slider {
+        name: "at",
+        test_id: "section-middle",
+        least: "0",
+        get: |section| section.middle,
+        set: |section, value| section.middle = value,
+    },
+    Slider {
+        name: "thick",
+        test_id: "section-thickness",
+        least: "0.02",
+        get: |section| section.thickness,
+        set: |section, value| section.thickness = value,
+    },
+];
+
 /// Which slab is shown.
 #[component]
 pub(super) fn SectionControl() -> impl IntoView {
@@ -65,13 +91,14 @@ pub(super) fn SectionControl() -> impl IntoView {
             </option>
         }
     };
-    let slider = move |(name, test_id, least, get, set): (
-        &'static str,
-        &'static str,
-        &'static str,
-        fn(&Section) -> f32,
-        fn(&mut Section, f32),
-    )| {
+    let slider = move |slider: Slider| {
+        let Slider {
+            name,
+            test_id,
+            least,
+            get,
+            set,
+        } = slider;
         let slide = move |event| {
             if let Ok(value) = event_target_value(&event).parse() {
                 section.update(|section| set(section, value));
@@ -100,20 +127,7 @@ pub(super) fn SectionControl() -> impl IntoView {
             </select>
         </label>
         <Show when=move || axis.get().is_some()>
-            {slider((
-                "at",
-                "section-middle",
-                "0",
-                |section| section.middle,
-                |section, value| section.middle = value,
-            ))}
-            {slider((
-                "thick",
-                "section-thickness",
-                "0.02",
-                |section| section.thickness,
-                |section, value| section.thickness = value,
-            ))}
+            {SLIDERS.map(slider).collect_view()}
         </Show>
     }
 }
