@@ -179,7 +179,8 @@ fn two_points_are_measured_from_the_table_and_in_the_scene() -> Result<()> {
     let points = objects(&result_of(&Output::of(&archive, &[])?)?);
     let (one, other) = (&points[0], points.last().context("no points")?);
     let length = (0..3)
-        .map(|axis| (one.1[axis] - other.1[axis]).powi(2))
+        .map(|axis| one.1[axis] - other.1[axis])
+        .map(|apart| apart * apart)
         .sum::<f64>()
         .sqrt();
     opened("one-file-measure", &share(&archive, &[])?, |page| {

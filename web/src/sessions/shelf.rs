@@ -64,8 +64,8 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
     let is_deleted = Memo::new(move |_| record.with(|record| record.deleted));
     let delete = move |deleted| {
         change(workbench, id.get_value(), record, move |record| {
-            record.deleted = deleted
-        })
+            record.deleted = deleted;
+        });
     };
     let body = move || {
         if is_deleted.get() {
@@ -116,7 +116,7 @@ fn Rename(id: String, record: RwSignal<Record>, renaming: RwSignal<bool>) -> imp
         let name = input.get().map(|input| input.value()).unwrap_or_default();
         if !name.trim().is_empty() {
             change(workbench, id.clone(), record, move |record| {
-                name.trim().clone_into(&mut record.name)
+                name.trim().clone_into(&mut record.name);
             });
         }
         renaming.set(false);
