@@ -180,6 +180,42 @@ fn formats_are_written_as_asked_from_a_scan_and_from_its_result_alike() {
     assert!(broken.contains("broken.json: version: "), "{broken}");
 }
 
+/// Where there is no object there is no surface of it.
+#[test]
+fn a_format_that_cannot_hold_the_result_takes_nothing_from_the_others() {
+    let folder = Folder::new();
+    let mut scene = scene();
+    scene.sweeps.truncate(2);
+    scene.objects.clear();
+    let scan = folder.write("scan.zip", &simulate(scene).archive);
+    let reconstruct = |formats: &str, output: &std::path::Path| {
+        snellius(&[
+            OsStr::new("reconstruct"),
+            scan.as_ref(),
+            "--formats".as_ref(),
+            formats.as_ref(),
+            "--output".as_ref(),
+            output.as_ref(),
+        ])
+    };
+    let (all, named) = (folder.path("all"), folder.path("named"));
+    let note = assert_ends_with(&reconstruct("all", &all), 0);
+    for name in ["surface.stl is left out: ", "surface.obj is left out: "] {
+        assert!(note.contains(name), "{note}");
+    }
+    for name in ["result.json", "object.pcd", "scene.glb", "report.html"] {
+        assert!(all.join(name).is_file(), "{name}: {note}");
+    }
+    assert!(!all.join("surface.stl").exists());
+
+    let error = assert_ends_with(&reconstruct("stl,json", &named), 1);
+    assert!(
+        error.contains("surface.stl: the object's points"),
+        "{error}"
+    );
+    assert!(named.join("result.json").is_file(), "{error}");
+}
+
 #[test]
 fn one_thread_or_many_write_the_same_bytes() {
     let folder = Folder::new();

@@ -9,9 +9,11 @@
 mod common;
 
 use common::{Random, assert_close, parallel_layers};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use snellius::geometry::{Approach, Direction, Plane, Point, Ray, World, closest_approach};
-use snellius::optics::{Cylinder, Interface, Sphere, Stack, Surface, aim_through};
+use snellius::optics::{
+    Base, Cylinder, Freeform, Grid, Interface, Sheet, Sphere, Stack, Surface, aim_through,
+};
 
 const WALL: f64 = 1.5;
 
@@ -159,25 +161,52 @@ fn at_equal_angles_the_ray_distance_is_0_for_every_index() {
     }
 }
 
-/// Round walls have mirror planes too: any through a ball's middle or a jar's axis, and those across the
-/// axis. In one the rays meet for every index; so they do where a mirror swaps the two.
+/// A bulge over a round wall, the same to the left and the right, above and below.
+fn bulge(jar: &Cylinder) -> Surface {
+    let at = |i: i32| 36.0 * (f64::from(i) - 3.5);
+    let height = |x: f64, y: f64| 5.0 * (-(x * x + y * y) / (2.0 * 50.0 * 50.0)).exp();
+    let heights = (0..8).flat_map(|row| (0..8).map(move |column| height(at(column), at(row))));
+    let corner = |x: f64, y: f64| Vector2::new(90.0 * x, 90.0 * y);
+    Surface::Freeform(Freeform::new(Sheet {
+        base: Base::on_cylinder(jar, Point::new(0.0, 0.0, -350.0)).unwrap(),
+        grid: Grid {
+            start: corner(-1.0, -1.0),
+            step: Vector2::repeat(36.0),
+            columns: 8,
+            rows: 8,
+        },
+        heights: heights.collect(),
+        patch: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| corner(x, y))
+            .to_vec(),
+    }))
+}
+
+/// Other walls have mirror planes too: any through a ball's middle or a jar's axis, those across the axis,
+/// and those of a bulge. In one the rays meet for every index; so they do where a mirror swaps the two.
 #[test]
-fn before_round_walls_mirrors_make_the_ray_distance_0_for_every_index() {
+fn before_walls_of_every_shape_mirrors_make_the_ray_distance_0_for_every_index() {
     let radius = 90.0;
     let centre = Point::new(0.0, 0.0, radius);
-    let jar = |axis: [f64; 3]| {
-        Surface::Cylinder(Cylinder {
-            point: centre,
-            axis: Direction::new(axis.into()).unwrap(),
-            radius,
-        })
+    let jar = |axis: [f64; 3]| Cylinder {
+        point: centre,
+        axis: Direction::new(axis.into()).unwrap(),
+        radius,
     };
     let ball = Surface::Sphere(Sphere { centre, radius });
     let flat = Surface::Plane(Plane::new(
         Point::origin(),
         Direction::new([0.0, 0.0, -1.0].into()).unwrap(),
     ));
-    let walls = [jar([0.0, 1.0, 0.0]), jar([1.0, 0.0, 0.0]), ball, flat];
+    let (upright, lying) = (jar([0.0, 1.0, 0.0]), jar([1.0, 0.0, 0.0]));
+    let bulge = bulge(&upright);
+    let walls = [
+        Surface::Cylinder(upright),
+        Surface::Cylinder(lying),
+        ball,
+        flat,
+        bulge,
+    ];
     // In the plane y = 0; and swapped by the mirror x = 0.
     let in_plane = ([-150.0, 0.0, -380.0], [20.0, 0.0, -400.0], [9.0, 0.0, 60.0]);
     let swapped = (

@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -14,7 +14,7 @@ use snellius_tests::{
 };
 
 /// What is kept is written within this time.
-const KEPT: Duration = Duration::from_secs(20);
+const KEPT: Duration = Duration::from_secs(60);
 
 fn tank() -> Result<PathBuf> {
     let tank = samples()?
@@ -33,28 +33,36 @@ fn result(workbench: &Workbench) -> Result<Value> {
     )?)
 }
 
+/// Waits until a promise of the page comes to `true`.
+fn wait_promise(page: &Page, what: &str, promise: &str) -> Result<()> {
+    let end = Instant::now() + KEPT;
+    while page.value_of(promise)? != true {
+        ensure!(Instant::now() < end, "waited for {what}");
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    Ok(())
+}
+
 /// Waits until the page's files hold some words in the record of a session.
 fn wait_kept(page: &Page, words: &str) -> Result<()> {
-    page.value_of(
-        "window.records = async () => {
+    let promise = format!(
+        "(async () => {{
             const root = await navigator.storage.getDirectory();
             let texts = '';
-            try {
+            try {{
                 const sessions = await root.getDirectoryHandle('sessions');
-                for await (const folder of sessions.values()) {
-                    const file = await folder.getFileHandle('session.json');
-                    texts += await (await file.getFile()).text();
-                }
-            } catch {}
-            return texts;
-        }; undefined",
-    )?;
-    let kept = format!("(await records()).includes({})", Value::from(words));
-    page.wait_long(
-        KEPT,
-        &format!("{words:?} to be kept"),
-        &format!("await (async () => {kept})()"),
-    )
+                for await (const folder of sessions.values()) {{
+                    try {{
+                        const file = await folder.getFileHandle('session.json');
+                        texts += await (await file.getFile()).text();
+                    }} catch {{}}
+                }}
+            }} catch {{}}
+            return texts.includes({});
+        }})()",
+        Value::from(words)
+    );
+    wait_promise(page, &format!("{words:?} to be kept"), &promise)
 }
 
 /// Loads the page anew and goes on with the only session.
@@ -221,10 +229,10 @@ fn a_browser_killed_in_the_middle_of_a_run_goes_on() -> Result<()> {
         let workbench = Workbench { page: &page };
         workbench.wait_state("start", PATIENCE)?;
         workbench.choose(&archive)?;
-        page.wait_long(
-            RECONSTRUCTION,
+        wait_promise(
+            &page,
             "spots to be kept",
-            "await (async () => {
+            "(async () => {
                 const root = await navigator.storage.getDirectory();
                 try {
                     const sessions = await root.getDirectoryHandle('sessions');

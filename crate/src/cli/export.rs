@@ -1,8 +1,9 @@
 use std::fs;
 use std::path::PathBuf;
 
-use super::{Failure, files};
-use crate::export::{Format, ReconstructionResult};
+use super::Failure;
+use super::files::{self, Asked};
+use crate::export::ReconstructionResult;
 
 /// Arguments of `snellius export`.
 #[derive(Debug, clap::Args)]
@@ -10,9 +11,15 @@ pub(super) struct Arguments {
     /// A result that `snellius reconstruct` or the page has written
     #[arg(value_name = "RESULT.json")]
     result: PathBuf,
-    /// What to write, separated by commas
-    #[arg(long, short, required = true, value_delimiter = ',', value_name = "FORMATS", value_parser = files::format)]
-    formats: Vec<Format>,
+    /// What to write, separated by commas; `all` is whatever can hold the result
+    #[arg(
+        long,
+        short,
+        required = true,
+        value_delimiter = ',',
+        value_name = "FORMATS"
+    )]
+    formats: Vec<Asked>,
     /// The folder that the files are written to
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,

@@ -1,8 +1,9 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::{Failure, files, table, views};
-use crate::export::{Format, InsideResult, ReconstructionResult, Status};
+use super::files::{self, Asked};
+use super::{Failure, table, views};
+use crate::export::{InsideResult, ReconstructionResult, Status};
 use crate::index::IndexMethod;
 use crate::pipeline::{Settings, reconstruct};
 use crate::table::measure;
@@ -16,9 +17,10 @@ pub(super) struct Arguments {
     /// The folder that the files are written to
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
-    /// What to write, separated by commas; json,ply,vessel-ply,csv if left out
-    #[arg(long, short, value_delimiter = ',', value_name = "FORMATS", value_parser = files::format)]
-    formats: Option<Vec<Format>>,
+    /// What to write, separated by commas; json,ply,vessel-ply,csv if left out, `all` is whatever can hold
+    /// the result
+    #[arg(long, short, value_delimiter = ',', value_name = "FORMATS")]
+    formats: Option<Vec<Asked>>,
     /// The liquid's refractive index in place of the scan's, or how to estimate it: a number,
     /// ray-distance, overlap, known-shape or joint
     #[arg(long, value_name = "INDEX")]
@@ -105,9 +107,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(table) = &arguments.table {
         let measured = measure(&table::read(table)?, scan, &spots, &settings.object);
         let result = measured.map_err(|e| Failure::file(path, e))?;
-        write(arguments, &result)?;
+        let written = write(arguments, &result);
         summarise(&result);
-        return Ok(());
+        return written;
     }
     let reconstruction =
         reconstruct(scan, &spots, &settings).map_err(|error| Failure::Pipeline {
@@ -115,8 +117,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             error,
         })?;
     let result = reconstruction.result();
-    write(arguments, &result)?;
+    let written = write(arguments, &result);
     summarise(&result);
+    written?;
     // Who asks for a method by name and gets no answer is told so by the exit code as well.
     let index = &reconstruction.index;
     match (settings.index_method, index.value) {
@@ -130,8 +133,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn write(arguments: &Arguments, result: &ReconstructionResult) -> Result<(), Failure> {
-    let formats = arguments.formats.as_deref().unwrap_or(&Format::USUAL);
-    files::write(&arguments.output, result, formats)
+    let asked = arguments.formats.clone().unwrap_or_else(Asked::usual);
+    files::write(&arguments.output, result, &asked)
 }
 
 #[expect(clippy::print_stderr, reason = "the summary is for a person")]

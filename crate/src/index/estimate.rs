@@ -41,9 +41,9 @@ impl IndexMethod {
 pub enum Verdict {
     /// The manifest or the user said it.
     Given,
-    /// To 0.02 or better, 95 times in 100.
+    /// To +-0.02 or better, 95 times in 100.
     Determined,
-    /// To 0.05 or better, 95 times in 100.
+    /// To +-0.05 or better, 95 times in 100.
     Weak,
     /// The scan cannot tell.
     NotDetermined,

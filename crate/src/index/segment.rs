@@ -20,6 +20,8 @@ pub(super) struct Cloud<'a> {
     pub(super) sights: &'a Sights,
     /// Where the rig is.
     pub(super) front: Point<World>,
+    /// Where the camera of each view is.
+    pub(super) eyes: &'a [Point<World>],
     /// The mean normal of the wall, along which a wrong index draws space out.
     pub(super) axis: Direction<World>,
     /// A point nearer to a face than this may lie on it, mm.
@@ -114,19 +116,33 @@ impl Cloud<'_> {
         self.points[sight].is_some_and(|p| plane.signed_distance(p).abs() <= self.tolerance)
     }
 
+    /// Whether a plane is seen on edge where a sight meets it. No face of the object is; but the plane that
+    /// a row of views sweeps is, and all points of the row lie in it.
+    fn edge_on(&self, plane: &Plane<World>, sight: usize) -> bool {
+        const LEAST_SINE: f64 = 0.2;
+        let eye = self.eyes[self.sights.object[sight].view];
+        self.points[sight].is_none_or(|point| {
+            let way = point - eye;
+            plane.normal.vector().dot(&way).abs() < LEAST_SINE * way.norm()
+        })
+    }
+
     /// The plane on which the most of some points agree.
     fn consensus(&self, free: &[usize], least: usize) -> Option<Plane<World>> {
         const SAMPLES: usize = 600;
         let mut choice = Choice::new();
         let mut best: (usize, Vec<usize>) = (0, Vec::new());
         for _ in 0..SAMPLES {
-            let [a, b, c] = choice.distinct(free.len())?;
-            let [a, b, c] = [free[a], free[b], free[c]].map(|i| self.points[i]);
+            let corners = choice.distinct(free.len())?.map(|i: usize| free[i]);
+            let [a, b, c] = corners.map(|i| self.points[i]);
             let (a, b, c) = (a?, b?, c?);
             let Ok(normal) = Direction::new((b - a).cross(&(c - a))) else {
                 continue;
             };
             let plane = Plane::new(a, normal);
+            if corners.iter().any(|i| self.edge_on(&plane, *i)) {
+                continue;
+            }
             let members: Vec<usize> = free
                 .iter()
                 .copied()

@@ -43,7 +43,8 @@ pub struct Sights {
 }
 
 /// No centroid is trusted further than this along each axis, px: the camera's noise model leaves out how
-/// light falls off over an oblique face, and how a pixel answers it.
+/// light falls off over an oblique face, and how a pixel answers it, and would let a few bright spots decide.
+/// Simulated pictures bear it out: docs/refractive-index.md.
 const LEAST_SIGMA: f64 = 0.05;
 
 /// Some points of a view, evenly along its line: neighbours say the same of the index. A beam has one.

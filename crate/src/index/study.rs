@@ -15,7 +15,7 @@ use super::solve::{Disagreement, Row, Solution, Which};
 use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::object::{Choice, Setup, calibration_sigmas};
 use crate::robust::median;
-use crate::scan::KnownKind;
+use crate::scan::{KnownKind, Station};
 use crate::spots::Spots;
 use crate::vessel::refit_shape;
 
@@ -148,6 +148,8 @@ struct Student<'a> {
     corrected: State,
     vessel_only: Option<Solution>,
     prepared: PreparedSights,
+    /// Where the camera of each view is.
+    eyes: Vec<Point<World>>,
     /// What noise does to each sight's gap and to its point along the line of sight, mm.
     gap_sigmas: Vec<f64>,
     point_sigmas: Vec<f64>,
@@ -184,8 +186,10 @@ impl<'a> Student<'a> {
             .flatten()
             .map(|sigma| sigma.point.norm())
             .collect();
+        let eye = |station: &Station| station.world_from_camera.point(Point::origin());
         Ok(Self {
             prepared: prepared(setup, sights, &corrected),
+            eyes: setup.stations.iter().map(eye).collect(),
             setup,
             sights,
             known,
@@ -484,13 +488,12 @@ impl<'a> Student<'a> {
     }
 
     fn cloud<'p>(&'p self, points: &'p [Option<Point<World>>], tolerance: f64) -> Cloud<'p> {
-        let pose = &self.setup.stations[self.sights.object[0].view].world_from_camera;
-        let front = pose.point(Point::origin());
         Cloud {
             points,
             sigmas: &self.point_sigmas,
             sights: self.sights,
-            front,
+            front: self.eyes[self.sights.object[0].view],
+            eyes: &self.eyes,
             axis: self.axis(),
             tolerance,
         }

@@ -10,7 +10,7 @@ use super::wall::{FarWall, NoRoom, Wall};
 use crate::camera::Pixel;
 use crate::geometry::{FitError, Point, WeightedPoint, World};
 use crate::optics::{Media, Surface};
-use crate::rig::{Laser, Rig};
+use crate::rig::{CalibrationSigma, Laser, Rig};
 use crate::robust;
 use crate::scan::{Scan, Station, VesselShape};
 use crate::spots::{Spot, Spots};
@@ -20,7 +20,8 @@ use crate::spots::{Spot, Spots};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct VesselSettings {
-    /// A spot this near the epipolar line may lie on the wall, px.
+    /// A spot this near the epipolar line may lie on the wall, px; where few views have one, or all of
+    /// them lie to one side, a spot as near as calibration is worth.
     pub epipolar_tolerance: f64,
     /// A vessel point this many robust standard deviations off the surface is none.
     pub outlier: f64,
@@ -165,6 +166,7 @@ pub fn find_vessel(
 ) -> Result<VesselFit, VesselError> {
     let finder = Finder {
         rig: &scan.rig,
+        calibration_sigma: &scan.calibration_sigma,
         stations: &scan.stations,
         spots,
         media,
@@ -187,6 +189,7 @@ pub fn find_vessel(
 /// What does not change while the wall is found.
 pub(super) struct Finder<'a> {
     pub(super) rig: &'a Rig,
+    calibration_sigma: &'a CalibrationSigma,
     pub(super) stations: &'a [Station],
     pub(super) spots: &'a [Spots],
     media: &'a Media,
@@ -232,17 +235,52 @@ impl Finder<'_> {
         self.assemble(&picks, &faces, fit, (grain, glows, choice))
     }
 
-    /// Each view's spot on the wall, and a first fit.
-    fn pick_spots(&self) -> Result<(Vec<Pick>, SurfaceFit, Option<ShapeChoice>), VesselError> {
-        let tolerance = self.settings.epipolar_tolerance;
-        let candidates: Vec<Vec<Candidate>> = self
-            .spots
-            .iter()
-            .map(|view| pick::along_epipolar_line(self.rig, view, tolerance))
-            .collect();
+    /// The spots of each view that may lie on the wall: those near the epipolar line or, where few views
+    /// have any or all of them lie to one side, those as near to it as it is known itself.
+    fn candidates(&self) -> Result<Vec<Vec<Candidate>>, VesselError> {
+        /// Calibration is hardly ever off by more standard deviations than this.
+        const SIGMAS: f64 = 4.0;
+        let within = |tolerance: f64| -> Vec<Vec<Candidate>> {
+            let views = self.spots.iter();
+            views
+                .map(|view| pick::along_epipolar_line(self.rig, view, tolerance))
+                .collect()
+        };
+        let offs = |views: &[Vec<Candidate>]| -> Vec<f64> {
+            let firsts = views.iter().filter_map(|view| view.first());
+            firsts.filter_map(|c| c.off_line).collect()
+        };
+        let mut tolerance = self.settings.epipolar_tolerance;
+        let mut candidates = within(tolerance);
+        let seen = offs(&candidates);
+        let lit = self.spots.iter().filter(|view| !view.spots.is_empty());
+        let few = seen.is_empty() || 2 * seen.len() < lit.count();
+        if few || 2.0 * robust::median(seen).abs() > tolerance {
+            tolerance = tolerance.max(SIGMAS * self.line_sigma());
+            candidates = within(tolerance);
+        }
         if candidates.iter().all(Vec::is_empty) {
             return Err(VesselError::NoSpots { tolerance });
         }
+        Ok(candidates)
+    }
+
+    /// How far calibration may put spots off the epipolar line: one standard deviation, px, median over
+    /// all spots.
+    fn line_sigma(&self) -> f64 {
+        let spots = self.spots.iter().flat_map(|view| &view.spots);
+        let sigma = |spot: &Spot| pick::line_sigma(self.rig, self.calibration_sigma, spot.pixel());
+        let sigmas: Vec<f64> = spots.filter_map(sigma).collect();
+        if sigmas.is_empty() {
+            0.0
+        } else {
+            robust::median(sigmas)
+        }
+    }
+
+    /// Each view's spot on the wall, and a first fit.
+    fn pick_spots(&self) -> Result<(Vec<Pick>, SurfaceFit, Option<ShapeChoice>), VesselError> {
+        let candidates = self.candidates()?;
         let place =
             |view: usize, c: &Candidate| self.stations[view].world_from_camera.point(c.point);
         let firsts = candidates.iter().enumerate().filter_map(|(view, list)| {

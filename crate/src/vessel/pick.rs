@@ -2,7 +2,7 @@
 
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Point};
-use crate::rig::{LitPoint, Rig};
+use crate::rig::{Calibration, CalibrationSigma, LitPoint, Rig};
 use crate::spots::{Spot, SpotRole, Spots};
 
 /// A spot near the epipolar line, taken for a point of the beam in air.
@@ -74,4 +74,21 @@ pub(super) fn sigma_along(rig: &Rig, spot: &Spot, grain: f64) -> Option<f64> {
             .x
             .sqrt(),
     )
+}
+
+/// First-order propagation of calibration's errors to how far a pixel lies off the epipolar line: one
+/// standard deviation, px.
+pub(super) fn line_sigma(rig: &Rig, sigma: &CalibrationSigma, pixel: Pixel) -> Option<f64> {
+    const STEP: f64 = 1e-3;
+    let off = |number: Calibration, step: f64| {
+        let moved = number.nudge(rig, step);
+        Some(lit_point(&moved, pixel)?.off_line? * moved.camera.mean_focal())
+    };
+    let mut variance = 0.0;
+    for number in Calibration::ALL {
+        let h = STEP * number.sigma(sigma);
+        let change = (off(number, h)? - off(number, -h)?) / (2.0 * STEP);
+        variance += change * change;
+    }
+    Some(variance.sqrt())
 }

@@ -58,7 +58,7 @@ fn dots(result: &ReconstructionResult, view: &View, refracted: bool) -> Vec<Dot>
             of.object_unrefracted.iter().copied().flatten().collect()
         };
         dots.extend(points.into_iter().map(|point| Dot {
-            at: view.seen_above(point),
+            at: view.top_down(point),
             ink: Ink::Sweep(of.sweep),
             value: None,
             view: Some(number),
@@ -71,7 +71,7 @@ fn wall_dots(result: &ReconstructionResult, view: &View) -> Vec<Dot> {
     let views = result.numbered();
     let dots = views.flat_map(|(number, of)| {
         of.vessel.iter().map(move |point| Dot {
-            at: view.seen_above(*point),
+            at: view.top_down(*point),
             ink: Ink::Wall,
             value: None,
             view: Some(number),
@@ -131,7 +131,7 @@ fn section(
         let across = 2.0 * size * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0);
         let start = view.origin + view.across * across - view.behind * (2.0 * size + 1000.0);
         let hit = face.hit(&Ray::new(Point::from_coords(start), into))?;
-        Some(view.seen_above(hit.point.to_array()))
+        Some(view.top_down(hit.point.to_array()))
     });
     places.collect()
 }

@@ -49,7 +49,7 @@ impl View {
     }
 
     /// Along the scan lines, and behind the wall.
-    pub(super) fn seen_above(&self, point: [f64; 3]) -> [f64; 2] {
+    pub(super) fn top_down(&self, point: [f64; 3]) -> [f64; 2] {
         let [across, _, behind] = self.place(point);
         [across, behind]
     }
