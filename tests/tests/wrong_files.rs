@@ -136,12 +136,14 @@ fn what_went_wrong_is_copied_with_version_and_details() -> Result<()> {
         }
 
         // A browser that forbids it: the details are shown, to be copied by hand.
+        page.click("[aria-label='Close this message']")?;
+        workbench.wait_state("start", PATIENCE)?;
         alert_about(workbench, "more-letters.zip", b"sin t1 / sin t2 = n2 / n1")?;
         page.value_of(
             "void (navigator.clipboard.writeText = () => Promise.reject(new Error('no')))",
         )?;
         workbench.click("copy-details")?;
-        page.wait_text(".problem-details", "more-letters.zip")?;
+        page.wait_text("[data-testid=error] .problem-details", "more-letters.zip")?;
         page.screenshot("details-by-hand").map(drop)
     })
 }

@@ -114,8 +114,8 @@ impl SpaceFigure {
             Pos::new(HPos::Center, VPos::Top),
             Pos::new(HPos::Center, VPos::Bottom),
         );
-        name(x_axis, (middle(x), y[0], z[0]), [-24, 26], below)?;
-        name(z_axis, (x[1], y[0], middle(z)), [56, 26], below)?;
+        name(x_axis, (middle(x), y[0], z[0]), [-30, 34], below)?;
+        name(z_axis, (x[1], y[0], middle(z)), [62, 32], below)?;
         name(y_axis, (x[0], y[1], z[0]), [0, -8], above)?;
         let mark = |dot: &&super::SpaceDot| {
             let (across, down) = drawing.map_coordinate(&(dot.at[0], dot.at[1], dot.at[2]));

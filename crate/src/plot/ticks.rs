@@ -3,12 +3,13 @@
 /// Round values within a range, about `count` of them.
 pub(super) fn ticks([low, high]: [f64; 2], count: f64) -> Vec<f64> {
     let step = round_step((high - low) / count);
-    let first = (low / step).ceil();
-    let last = (high / step).floor();
+    // A round end counts, though the numbers miss it by their last bits.
+    const BITS: f64 = 1e-9;
+    let first = (low / step - BITS).ceil();
+    let last = (high / step + BITS).floor();
     // At most a few dozen, whatever the range: the step follows it.
     (0..=(last - first).clamp(0.0, 50.0) as u32)
         .map(|k| (first + f64::from(k)) * step)
-        .filter(|tick| *tick <= high)
         .collect()
 }
 
