@@ -502,6 +502,15 @@ impl Page<'_> {
         Picture::from_png(&png)
     }
 
+    /// Waits until something is drawn on an element, and what it shows stops changing.
+    pub fn drawn_picture_of(&self, selector: &str) -> Result<Picture> {
+        wait_for(PATIENCE, || {
+            let picture = self.settled_picture_of(selector)?;
+            Ok((!picture.is_blank()).then_some(picture))
+        })
+        .with_context(|| format!("`{selector}` stays blank"))
+    }
+
     /// One element as it is seen once it no longer changes.
     pub fn settled_picture_of(&self, selector: &str) -> Result<Picture> {
         let mut last = self.picture_of(selector)?;

@@ -137,8 +137,7 @@ fn every_view_has_its_row_and_its_pictures() -> Result<()> {
         for canvas in ["picture-on", "picture-off", "picture-difference"] {
             let canvas = part(canvas);
             page.wait_visible(&canvas)?;
-            let picture = page.settled_picture_of(&canvas)?;
-            assert!(!picture.is_blank(), "{canvas} is blank");
+            page.drawn_picture_of(&canvas)?;
         }
         page.screenshot("view-selected").map(drop)
     })
