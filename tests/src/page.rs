@@ -494,8 +494,11 @@ impl Page<'_> {
             width,
             height,
         } = self.area(selector)?;
+        // The window's corner may lie anywhere on the page, from whose corner a clip is counted.
+        let corner = self.value_of("[scrollX, scrollY]")?;
+        let [left, top] = [0, 1].map(|axis| corner[axis].as_f64().unwrap_or_default());
         let clip = json!({
-            "x": x.round(), "y": y.round(),
+            "x": (x + left).round(), "y": (y + top).round(),
             "width": width.floor(), "height": height.floor(), "scale": 1,
         });
         let png = self.capture(json!({ "format": "png", "clip": clip }))?;
