@@ -85,28 +85,14 @@ fn numbers_are_the_cores(page: &Page) -> Result<Bench> {
     Ok(bench)
 }
 
-/// Clicks a lesson's card; once more where the page was still filling and the click went astray.
-fn open_lesson(page: &Page, card: &str, title: &str) -> Result<()> {
-    let opened = format!(
-        "document.querySelector({})?.innerText.includes({})",
-        serde_json::Value::from(part("lesson-title")),
-        serde_json::Value::from(title)
-    );
-    page.click(card)?;
-    let short = std::time::Duration::from_secs(10);
-    if page.wait_long(short, title, &opened).is_err() {
-        page.click(card)?;
-    }
-    page.wait_text(&part("lesson-title"), title)
-}
-
 #[test]
 fn each_lesson_opens_from_its_link_in_the_state_that_it_names() -> Result<()> {
     with_lab("lessons", "#lab/1?view=lessons", |page, open| {
         for (place, lesson) in LESSONS.iter().enumerate() {
             let bench = Lesson::bench(place).context("no such lesson")?;
             let card = part(&format!("lesson-{}", place + 1));
-            open_lesson(page, &card, lesson.title)?;
+            page.click(&card)?;
+            page.wait_text(&part("lesson-title"), lesson.title)?;
             ensure!(bench_of(page)? == bench, "{} by click", lesson.title);
 
             open(&format!("#{}", link::write(&bench)))?;

@@ -18,6 +18,8 @@ pub(super) struct LabState {
     pub(super) bench: RwSignal<Bench>,
     /// The bench's light.
     pub(super) light: Memo<Light>,
+    /// The address as it was read or written last.
+    known: StoredValue<String>,
     /// What was wrong with the link.
     pub(super) trouble: RwSignal<Option<String>>,
     /// Whether the page stands in a frame of another one.
@@ -36,6 +38,7 @@ impl LabState {
             open: RwSignal::new(false),
             bench,
             light: Memo::new(move |_| bench.with(Light::of)),
+            known: StoredValue::new(String::new()),
             trouble: RwSignal::new(None),
             embedded: is_embedded(),
         };
@@ -65,6 +68,7 @@ impl LabState {
             }
         }
         self.open.set(open);
+        self.known.set_value(fragment);
     }
 
     /// Lets the address follow the bench. Browsers count such changes and refuse too many: a drag
@@ -72,9 +76,12 @@ impl LabState {
     fn keep_address(self) {
         const REST: Duration = Duration::from_millis(200);
         let mut write = debounce(REST, move |bench: Bench| {
-            // By now the address may have left the lab.
-            if link::is_lab(&fragment()) {
+            // By now the address may have left the lab, or a link that was just clicked has changed it and
+            // is about to be read: neither must be written over.
+            let now = fragment();
+            if link::is_lab(&now) && self.known.with_value(|known| *known == now) {
                 replace_fragment(&link::write(&bench));
+                self.known.set_value(fragment());
             }
         });
         Effect::new(move |_| {
