@@ -65,6 +65,26 @@ fn wait_kept(page: &Page, words: &str) -> Result<()> {
     wait_promise(page, &format!("{words:?} to be kept"), &promise)
 }
 
+/// Waits until an archive of that many bytes is kept whole, and spots that were found at two times.
+fn wait_begun(page: &Page, bytes: u64) -> Result<()> {
+    let promise = format!(
+        "(async () => {{
+            const root = await navigator.storage.getDirectory();
+            const read = async (folder, name) => (await folder.getFileHandle(name)).getFile();
+            try {{
+                const sessions = await root.getDirectoryHandle('sessions');
+                for await (const folder of sessions.values()) {{
+                    const archive = await read(folder, 'scan.zip');
+                    const second = await read(folder, 'found-000001');
+                    return archive.size === {bytes} && second.size > 0;
+                }}
+            }} catch {{}}
+            return false;
+        }})()"
+    );
+    wait_promise(page, "the scan and some spots to be kept", &promise)
+}
+
 /// Loads the page anew and goes on with the only session.
 fn come_back(workbench: &Workbench) -> Result<()> {
     workbench.page.reload()?;
@@ -229,25 +249,7 @@ fn a_browser_killed_in_the_middle_of_a_run_goes_on() -> Result<()> {
         let workbench = Workbench { page: &page };
         workbench.wait_state("start", PATIENCE)?;
         workbench.choose(&archive)?;
-        wait_promise(
-            &page,
-            "spots to be kept",
-            "(async () => {
-                const root = await navigator.storage.getDirectory();
-                try {
-                    const sessions = await root.getDirectoryHandle('sessions');
-                    for await (const folder of sessions.values()) {
-                        let parts = 0, whole = false;
-                        for await (const name of folder.keys()) {
-                            parts += name.startsWith('found-');
-                            whole ||= name === 'scan.zip';
-                        }
-                        return whole && parts >= 2;
-                    }
-                } catch {}
-                return false;
-            })()",
-        )?;
+        wait_begun(&page, std::fs::metadata(&archive)?.len())?;
         let state = workbench.state()?;
         ensure!(
             state == "running",

@@ -38,7 +38,7 @@ impl Session {
     pub(crate) async fn open(id: &str) -> Result<Self, JsValue> {
         let folder = all().await?.folder(id).await?;
         let names = folder.names().await?;
-        let parts = names.iter().filter(|name| name.starts_with(FOUND)).count();
+        let parts = names.iter().filter(|name| is_found(name)).count();
         Ok(Self {
             id: id.to_owned(),
             folder,
@@ -80,7 +80,7 @@ impl Session {
     pub(crate) async fn found(&self) -> Vec<Found> {
         let mut found = Vec::new();
         for name in self.folder.names().await.unwrap_or_default() {
-            if name.starts_with(FOUND)
+            if is_found(&name)
                 && let Ok(bytes) = self.folder.bytes(&name).await
             {
                 found.extend(Found::from_bytes(&bytes.to_vec()));
@@ -104,6 +104,13 @@ impl Session {
             pixels,
         })
     }
+}
+
+/// Whether a file holds spots. What a browser has not written to its end lies beside it, under the same name
+/// with an ending.
+fn is_found(name: &str) -> bool {
+    let number = name.strip_prefix(FOUND);
+    number.is_some_and(|number| number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 /// The sessions that were kept, the newest first. One that cannot be read is passed over.
