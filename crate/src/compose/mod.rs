@@ -11,6 +11,7 @@ mod packer;
 mod pairs;
 mod poses;
 mod question;
+mod size;
 mod tree;
 
 pub use calibration::{Lens, read_calibration};
@@ -20,3 +21,4 @@ pub use packer::{Packer, Piece};
 pub use pairs::{Lack, Pair, Pairing, Unpaired, is_picture, pair};
 pub use poses::{LengthScale, ListedPose, PoseList, Reading, read_poses};
 pub use question::{Answers, Key, Part, QUESTIONS, Question, QuestionKind};
+pub use size::picture_size;

@@ -84,6 +84,8 @@ pub fn read_poses(text: &str, reading: Reading) -> Result<PoseList, ImportError>
     let is_note = |line: &&str| line.trim().is_empty() || line.trim_start().starts_with('#');
     let list = if text.trim_start().starts_with(['[', '{']) {
         of_json(&tree::json(text)?, reading)
+    } else if has_commented_heading(text) {
+        of_table(text, reading)
     } else {
         let Some(first) = text.lines().find(|line| !is_note(line)) else {
             return Err(unknown("it is empty"));
@@ -102,6 +104,13 @@ pub fn read_poses(text: &str, reading: Reading) -> Result<PoseList, ImportError>
         true => Err(unknown("there is no pose in it")),
         false => Ok(list),
     }
+}
+
+/// Some write a table's heading as a comment; that of a TUM file has no signs between the names.
+fn has_commented_heading(text: &str) -> bool {
+    let comment = text.trim_start().strip_prefix('#');
+    let first = comment.and_then(|text| text.lines().next());
+    first.is_some_and(|line| line.contains(['\t', ';', ',']))
 }
 
 fn unknown(why: &str) -> ImportError {
@@ -256,7 +265,6 @@ fn column_name(heading: &str) -> String {
 }
 
 fn of_table(text: &str, reading: Reading) -> Result<PoseList, ImportError> {
-    // Some write the heading as a comment.
     let text = text.trim_start().trim_start_matches('#');
     let first = text.lines().next().unwrap_or_default();
     let delimiter = [b'\t', b';', b','];
