@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::PathBuf;
 
 use snellius::compose::{
@@ -129,6 +129,31 @@ fn a_broken_calibration_file_names_the_place() {
     }
     let error = read_calibration("hello").unwrap_err().to_string();
     assert!(error.contains("no calibration file"), "{error}");
+}
+
+#[test]
+fn no_text_whatsoever_makes_the_readers_panic() {
+    let files = ["opencv.yml", "opencv.xml", "opencv.json", "ros.yaml"].map(calibration);
+    for text in &files {
+        for end in 0..text.len() {
+            let _ = read_calibration(&text[..end]);
+        }
+    }
+    let table = "id,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n";
+    let list =
+        "[{\"id\": 1, \"t\": [0, 0, 0], \"q\": [1, 0, 0, 0]}, [[1,0,0,0],[0,1,0,0],[0,0,1,0]]]";
+    for text in [table, list, "1 2 3 4 0 0 0 1\n2 2 3 4 0 0 0 1"] {
+        for end in 0..text.len() {
+            let _ = read_poses(&text[..end], Reading::default());
+        }
+    }
+    for piece in [
+        "[", "{a: ", "- ", "? ", "<a>", " ", "{\"a\":", "a: ", "*a ", "\u{feff}",
+    ] {
+        let deep = piece.repeat(100_000);
+        let _ = read_calibration(&deep);
+        let _ = read_poses(&deep, Reading::default());
+    }
 }
 
 /// A quarter turn about z, at (10, 20, 30), in each way of writing.
@@ -431,7 +456,7 @@ fn pack(composed: &Composed, files: &BTreeMap<String, Vec<u8>>) -> Vec<u8> {
     pieces.collect::<Vec<_>>().concat()
 }
 
-fn result(archive: impl Read + std::io::Seek) -> String {
+fn result(archive: impl Read + Seek) -> String {
     let mut archive = Archive::open(archive).unwrap();
     let settings = Settings::default();
     let views = 0..archive.scan().stations.len();
@@ -475,7 +500,7 @@ fn an_empty_draft_says_everything_that_is_missing() {
             "No pictures: choose those with the laser on and off.",
             "No camera calibration: choose its file.",
             "No poses: choose their file.",
-            "What a pose says: choose its frames.",
+            "Choose what a pose says: its frames.",
             "Origin: missing.",
             "Direction: missing.",
             "Wall thickness: missing.",
@@ -667,24 +692,84 @@ fn poses_find_their_pictures_by_any_of_their_names() {
     }
 }
 
+/// An archive whose first file is zeros that are nowhere.
+struct Hollow {
+    /// Where each piece ends, and what is in it.
+    pieces: Vec<(u64, Option<Vec<u8>>)>,
+    position: u64,
+}
+
+impl Hollow {
+    fn length(&self) -> u64 {
+        self.pieces.last().map_or(0, |(end, _)| *end)
+    }
+}
+
+impl Read for Hollow {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let mut pieces = self.pieces.iter();
+        let Some((end, bytes)) = pieces.find(|(end, _)| self.position < *end) else {
+            return Ok(0);
+        };
+        let left = (end - self.position).min(into.len() as u64) as usize;
+        match bytes {
+            Some(bytes) => {
+                let from = bytes.len() - (end - self.position) as usize;
+                into[..left].copy_from_slice(&bytes[from..from + left]);
+            }
+            None => into[..left].fill(0),
+        }
+        self.position += left as u64;
+        Ok(left)
+    }
+}
+
+impl Seek for Hollow {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        let position = match to {
+            SeekFrom::Start(position) => Some(position),
+            SeekFrom::Current(by) => self.position.checked_add_signed(by),
+            SeekFrom::End(by) => self.length().checked_add_signed(by),
+        };
+        self.position = position.ok_or(std::io::ErrorKind::InvalidInput)?;
+        Ok(self.position)
+    }
+}
+
 #[test]
 fn an_archive_beyond_four_gigabytes_is_laid_out_without_its_pictures() {
     const LENGTH: u64 = (5 << 30) + 1;
+    let end = b"end";
     let mut packer = Packer::new();
-    packer
-        .add("a.png", LENGTH, &mut std::io::repeat(0).take(LENGTH))
-        .unwrap();
-    packer.add("b.png", 3, &mut b"end".as_slice()).unwrap();
-    assert!(
-        packer
-            .finish_with(b"{}")
+    let mut zeros = std::io::repeat(0).take(LENGTH);
+    packer.add("a.png", LENGTH, &mut zeros).unwrap();
+    packer.add("b.png", 3, &mut end.as_slice()).unwrap();
+    let mut length = 0;
+    let pieces = packer.finish_with(b"{}").unwrap().into_iter().map(|piece| {
+        let (of_piece, bytes) = match piece {
+            Piece::File(0) => (LENGTH, None),
+            Piece::File(_) => (3, Some(end.to_vec())),
+            Piece::Bytes(bytes) => (bytes.len() as u64, Some(bytes)),
+        };
+        assert!(of_piece == LENGTH || of_piece < 1000);
+        length += of_piece;
+        (length, bytes)
+    });
+    let pieces = pieces.collect();
+    let mut zip = ZipArchive::new(Hollow {
+        pieces,
+        position: 0,
+    })
+    .unwrap();
+    assert_eq!(zip.by_name("a.png").unwrap().size(), LENGTH);
+    for (name, content) in [("b.png", "end"), ("scan.json", "{}")] {
+        let mut read = String::new();
+        zip.by_name(name)
             .unwrap()
-            .iter()
-            .all(|piece| match piece {
-                Piece::Bytes(bytes) => bytes.len() < 1000,
-                Piece::File(number) => *number < 2,
-            })
-    );
+            .read_to_string(&mut read)
+            .unwrap();
+        assert_eq!(read, content);
+    }
 }
 
 #[test]

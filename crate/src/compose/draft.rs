@@ -203,7 +203,7 @@ impl Draft {
         let views = self.taken(pairing, gaps);
         let frames = Frames::named(self.answers.get(Key::Frames));
         if frames.is_none() {
-            gaps.add(Part::Poses, "What a pose says: choose its frames.");
+            gaps.add(Part::Poses, "Choose what a pose says: its frames.");
         }
         let list = list.filter(|_| !views.is_empty())?;
         let poses = match_poses(&views, list);

@@ -27,6 +27,7 @@ pub(super) fn json(text: &str) -> Result<Value, ImportError> {
 }
 
 fn yaml(text: &str) -> Result<Value, ImportError> {
+    check_indentation(text)?;
     let text = without_directive(text);
     let documents = Yaml::load_from_str(&text).map_err(|error| ImportError::Syntax {
         line: error.marker().line(),
@@ -34,6 +35,25 @@ fn yaml(text: &str) -> Result<Value, ImportError> {
         problem: error.info().to_owned(),
     })?;
     Ok(documents.first().map_or(Value::Null, of_yaml))
+}
+
+/// How deep a file of a few numbers may be nested. Trees are walked by recursion.
+const DEEPEST: usize = 128;
+
+/// The YAML reader limits the nesting of brackets, and not that of indentation.
+fn check_indentation(text: &str) -> Result<(), ImportError> {
+    let deep = |line: &str| {
+        let rest = line.trim_start_matches([' ', '-', '?', ':', '\t']);
+        line.len() - rest.len() > 2 * DEEPEST
+    };
+    match text.lines().position(deep) {
+        None => Ok(()),
+        Some(index) => Err(ImportError::Syntax {
+            line: index + 1,
+            column: 2 * DEEPEST,
+            problem: "nested too deeply".to_owned(),
+        }),
+    }
 }
 
 /// OpenCV up to version 4 begins its files with `%YAML:1.0`, which is no directive of YAML (that would be
@@ -72,14 +92,17 @@ fn xml(text: &str) -> Result<Value, ImportError> {
         column: error.pos().col as usize,
         problem: error.to_string(),
     })?;
-    Ok(of_xml(document.root_element()))
+    Ok(of_xml(document.root_element(), 0))
 }
 
 /// An element with elements in it is a mapping; one without holds numbers or a text.
-fn of_xml(node: Node) -> Value {
+fn of_xml(node: Node, depth: usize) -> Value {
+    if depth > DEEPEST {
+        return Value::Null;
+    }
     let children = node.children().filter(Node::is_element);
     let entries: Map<String, Value> = children
-        .map(|child| (child.tag_name().name().to_owned(), of_xml(child)))
+        .map(|child| (child.tag_name().name().to_owned(), of_xml(child, depth + 1)))
         .collect();
     if !entries.is_empty() {
         return Value::Object(entries);

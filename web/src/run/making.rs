@@ -18,6 +18,9 @@ use super::problem::Problem;
 /// How much of a picture is read at a time.
 const READ_AHEAD: usize = 1 << 20;
 
+/// How many pairs, and how many pictures without a partner, are listed.
+const LISTED: usize = 500;
+
 /// What a worker can be asked.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum MakeRequest {
@@ -57,9 +60,9 @@ pub(crate) enum MakeReply {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Drafted {
     pub(crate) parts: Vec<PartShown>,
-    /// View, picture with the laser on, picture with it off.
+    /// View, picture with the laser on, picture with it off: the first few hundred.
     pub(crate) pairs: Vec<[String; 3]>,
-    /// Picture, and what it lacks.
+    /// Picture, and what it lacks: likewise.
     pub(crate) unpaired: Vec<[String; 2]>,
     pub(crate) ready: bool,
 }
@@ -131,8 +134,8 @@ impl Drafted {
                 optional: part == Part::Calibration,
             }
         });
-        let pairs = composed.pairing.pairs.iter();
-        let unpaired = composed.pairing.unpaired.iter();
+        let pairs = composed.pairing.pairs.iter().take(LISTED);
+        let unpaired = composed.pairing.unpaired.iter().take(LISTED);
         Self {
             parts: parts.to_vec(),
             pairs: pairs
