@@ -15,6 +15,7 @@ use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
 use super::blob_reader::BlobReader;
 use super::develop::{develop, thumbnail};
 use super::guest::Guest;
+use super::making::Maker;
 use super::messages::{Answer, Question, READY, Reply, Request};
 use super::passing;
 use super::plan::Plan;
@@ -38,6 +39,8 @@ struct Desk {
     passed_on: Option<Document>,
     /// What was said last of the index, and for which plan.
     study: Option<(Plan, Study)>,
+    /// A scan that is being made.
+    maker: Maker,
 }
 
 thread_local! {
@@ -121,6 +124,7 @@ impl Desk {
                 let page = passing::page(wish, self.document(settings)?)?;
                 Ok(Reply::Written(page.as_bytes().into()))
             }
+            Request::Make(request) => self.maker.reply(request).map(Reply::Make),
         }
     }
 
