@@ -288,7 +288,7 @@ impl Workbench {
 
     /// Measures a file. What is shown stays until the new scan is measured.
     pub(crate) fn open(self, file: Blob, name: String) {
-        let record = Record::new(&name);
+        let record = Record::new(&name, file.size());
         self.go_on(file, record, Vec::new(), None);
     }
 

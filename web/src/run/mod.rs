@@ -1,6 +1,7 @@
 //! Everything that takes time runs in workers: this room starts them, asks them, and answers as one.
 
 mod blob_reader;
+mod columns;
 mod develop;
 mod figure;
 mod guest;

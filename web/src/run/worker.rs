@@ -1,7 +1,6 @@
 //! The worker's side: answers one question after another about the archive it was told to open.
 
 use std::cell::RefCell;
-use std::io::BufReader;
 
 use js_sys::{Array, Uint8Array};
 use snellius::export::{Format, ReconstructionResult};
@@ -23,11 +22,7 @@ use super::problem::Problem;
 use super::report::{Facts, Outcome};
 use super::study::Study;
 
-/// How much of the file is read at a time: one request to the browser for a usual picture, and no more
-/// than it may keep.
-const READ_AHEAD: usize = 256 << 10;
-
-type OpenArchive = Archive<BufReader<BlobReader>>;
+type OpenArchive = Archive<BlobReader>;
 
 /// What a worker remembers between questions.
 #[derive(Default)]
@@ -131,7 +126,7 @@ impl Desk {
     fn open(&mut self, file: Blob) -> Result<Reply, Problem> {
         let reader = BlobReader::new(file)
             .map_err(|e| Problem::own(format!("The browser gives no file reader: {e:?}")))?;
-        let mut archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
+        let mut archive = Archive::open(reader)?;
         let mut facts = Facts::of(archive.scan());
         facts.session = archive.session();
         self.archive = Some(archive);
