@@ -364,20 +364,22 @@ fn Missing() -> impl IntoView {
     view! {
         <section class="panel making-missing" aria-labelledby="making-missing">
             <h2 id="making-missing">{move || if ready() { "Everything is there" } else { "What is missing" }}</h2>
-            <ul role="status" data-testid="missing">
-                {move || {
-                    let line = |(title, gap): (String, String)| {
-                        view! {
-                            <li>
-                                <b>{title}</b>
-                                " "
-                                {gap}
-                            </li>
-                        }
-                    };
-                    gaps.get().into_iter().map(line).collect_view()
-                }}
-            </ul>
+            <div role="status" data-testid="missing">
+                <ul>
+                    {move || {
+                        let line = |(title, gap): (String, String)| {
+                            view! {
+                                <li>
+                                    <b>{title}</b>
+                                    " "
+                                    {gap}
+                                </li>
+                            }
+                        };
+                        gaps.get().into_iter().map(line).collect_view()
+                    }}
+                </ul>
+            </div>
             <div class="making-actions">
                 <button
                     type="button"
