@@ -1,5 +1,6 @@
 //! The form: a panel for each part, drawn from what the worker says of it, and a list of what is missing.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use leptos::html;
@@ -240,10 +241,10 @@ fn Pictures() -> impl IntoView {
     let making = Workbench::get().making;
     let (loose, folder) = (NodeRef::<html::Input>::new(), NodeRef::<html::Input>::new());
     let clear = move |_| {
-        making.pictures.update(|pictures| pictures.clear());
+        making.pictures.update(BTreeMap::clear);
         making.files_changed();
     };
-    let count = move || making.pictures.with(|pictures| pictures.len());
+    let count = move || making.pictures.with(BTreeMap::len);
     let pairs =
         Memo::new(move |_| of_draft(making, |drafted| drafted.pairs.clone()).unwrap_or_default());
     let unpaired = Memo::new(move |_| {
