@@ -1,5 +1,7 @@
 //! The strip of thumbnails: a view a picture. Only those that are seen are decoded.
 
+use std::ops::Range;
+
 use leptos::html;
 use leptos::prelude::*;
 use snellius::export::Status;
@@ -10,21 +12,31 @@ use web_sys::{
     IntersectionObserver, IntersectionObserverEntry, KeyboardEvent,
 };
 
-use crate::run::Thumbnail;
+use crate::in_sight::{Sight, Way};
+use crate::run::{Thumbnail, sleep};
 use crate::state::Workbench;
 
-/// The strip.
+/// From one thumbnail to the next, CSS px; `result.css` says the same.
+const PITCH: i32 = 84;
+
+/// The strip. Only thumbnails in sight are made.
 #[component]
 pub(crate) fn Strip() -> impl IntoView {
     let workbench = Workbench::get();
-    let strip = NodeRef::<html::Div>::new();
-    let views = move || {
+    let views = Memo::new(move |_| {
         let facts = workbench.facts.get();
         facts.map_or(0, |facts| facts.stations.len())
-    };
-    let seen = Seen::new(workbench);
-    keep_chosen_in_sight(workbench, strip);
-    let observer = StoredValue::new_local(seen);
+    });
+    let sight = Sight::new(Way::Along, PITCH);
+    let made = Memo::new(move |_| sight.parts(views.get()));
+    let wanted = StoredValue::new(None::<usize>);
+    Effect::new(move |_| {
+        sight.frame.track();
+        if let Some(chosen) = workbench.chosen.get() {
+            sight.reveal(chosen, 0);
+        }
+    });
+    let observer = StoredValue::new_local(Seen::new(workbench));
     view! {
         <div
             class="strip panel"
@@ -32,18 +44,39 @@ pub(crate) fn Strip() -> impl IntoView {
             aria-label="Views, as pictures"
             aria-orientation="horizontal"
             data-testid="strip"
-            node_ref=strip
-            on:keydown=move |event| keys(workbench, &event)
+            node_ref=sight.frame
+            on:scroll=move |_| sight.look()
+            on:keydown=move |event| {
+                if let Some(view) = key(views.get_untracked(), &event) {
+                    wanted.set_value(Some(view));
+                    workbench.choose(Some(view));
+                    focus(view);
+                }
+            }
         >
-            <For each=move || 0..views() key=|view| *view let:view>
-                <Thumb view observer />
-            </For>
+            <div
+                class="strip-length"
+                role="presentation"
+                style:min-width=move || sight.length(views.get())
+                style:padding-left=move || sight.length(made.get().start)
+            >
+                <For each=move || made.get() key=|view| *view let:view>
+                    <Thumb view made wanted observer />
+                </For>
+            </div>
         </div>
     }
 }
 
 #[component]
-fn Thumb(view: usize, observer: StoredValue<Option<Seen>, LocalStorage>) -> impl IntoView {
+fn Thumb(
+    view: usize,
+    /// The thumbnails that there are.
+    made: Memo<Range<usize>>,
+    /// The thumbnail of this view takes the focus when it is made.
+    wanted: StoredValue<Option<usize>>,
+    observer: StoredValue<Option<Seen>, LocalStorage>,
+) -> impl IntoView {
     let workbench = Workbench::get();
     let canvas = NodeRef::<html::Canvas>::new();
     Effect::new(move |_| {
@@ -51,10 +84,18 @@ fn Thumb(view: usize, observer: StoredValue<Option<Seen>, LocalStorage>) -> impl
             observer.with_value(|seen| seen.iter().for_each(|seen| seen.observer.observe(&canvas)));
         }
     });
-    let id = move || {
-        let facts = workbench.facts.get()?;
-        Some(facts.stations.get(view)?.id.clone())
-    };
+    let element = NodeRef::<html::Div>::new();
+    Effect::new(move |_| {
+        if let Some(element) = element.get()
+            && wanted.get_value() == Some(view)
+        {
+            wanted.set_value(None);
+            let _ = element.focus();
+        }
+    });
+    let facts = move || workbench.facts.get();
+    let id = move || Some(facts()?.stations.get(view)?.id.clone());
+    let count = move || facts().map(|facts| facts.stations.len().to_string());
     let status = move || {
         let outcome = workbench.outcome.get()?;
         Some(match outcome.views.get(view)?.status {
@@ -64,12 +105,24 @@ fn Thumb(view: usize, observer: StoredValue<Option<Seen>, LocalStorage>) -> impl
         })
     };
     let is_chosen = move || workbench.chosen.get() == Some(view);
-    let stop = move || workbench.chosen.get().unwrap_or_default() == view;
+    // Tab stops at the chosen one, or at the first that there is.
+    let stop = move || {
+        let made = made.get();
+        let chosen = workbench.chosen.get();
+        chosen
+            .filter(|chosen| made.contains(chosen))
+            .unwrap_or(made.start)
+            == view
+    };
     view! {
         <div
+            node_ref=element
             id=thumb_id(view)
             class=move || format!("thumb {}", status().unwrap_or_default())
             role="option"
+            data-view=view.to_string()
+            aria-posinset=(view + 1).to_string()
+            aria-setsize=count
             aria-selected=move || is_chosen().to_string()
             aria-label=move || format!("View {}", id().unwrap_or_default())
             tabindex=move || if stop() { "0" } else { "-1" }
@@ -120,6 +173,7 @@ impl Drop for Seen {
 }
 
 fn fetch(workbench: Workbench, canvas: Element) {
+    const REST: i32 = 60;
     let view = canvas
         .get_attribute("data-view")
         .and_then(|view| view.parse().ok());
@@ -127,6 +181,11 @@ fn fetch(workbench: Workbench, canvas: Element) {
         return;
     };
     spawn_local(async move {
+        // What only flits past is not decoded.
+        sleep(REST).await;
+        if !canvas.is_connected() {
+            return;
+        }
         // A picture that cannot be read says so where it is looked at.
         if let Some(view) = view
             && let Some(Ok(thumbnail)) = workbench.thumbnail(view).await
@@ -151,42 +210,28 @@ fn paint(canvas: &HtmlCanvasElement, thumbnail: &Thumbnail) {
     }
 }
 
-/// Left, right, Home and End.
-fn keys(workbench: Workbench, event: &KeyboardEvent) {
-    let last = workbench
-        .facts
-        .with_untracked(|facts| facts.as_ref().map_or(0, |facts| facts.stations.len()))
-        .saturating_sub(1);
-    let at = workbench.chosen.get_untracked().unwrap_or_default();
+/// The view that Left, Right, Home or End leads to.
+fn key(views: usize, event: &KeyboardEvent) -> Option<usize> {
+    let thumb: Element = event.target()?.dyn_into().ok()?;
+    let at: usize = thumb.get_attribute("data-view")?.parse().ok()?;
+    let last = views.checked_sub(1)?;
     let to = match event.key().as_str() {
         "ArrowRight" => (at + 1).min(last),
         "ArrowLeft" => at.saturating_sub(1),
         "Home" => 0,
         "End" => last,
         "Enter" | " " => at,
-        _ => return,
+        _ => return None,
     };
     event.prevent_default();
-    workbench.choose(Some(to));
-    if let Some(thumb) = thumb_element(to) {
-        let _ = thumb.focus();
-    }
+    Some(to)
 }
 
-/// A view that is chosen elsewhere comes into sight here.
-fn keep_chosen_in_sight(workbench: Workbench, strip: NodeRef<html::Div>) {
-    Effect::new(move |_| {
-        let chosen = workbench.chosen.get().and_then(thumb_element);
-        let (Some(strip), Some(thumb)) = (strip.get(), chosen) else {
-            return;
-        };
-        let (left, width) = (thumb.offset_left(), thumb.offset_width());
-        let hidden =
-            left < strip.scroll_left() || left + width > strip.scroll_left() + strip.client_width();
-        if hidden {
-            strip.set_scroll_left(left - (strip.client_width() - width) / 2);
-        }
-    });
+/// A thumbnail that is not made yet takes the focus as soon as it is.
+fn focus(view: usize) {
+    if let Some(thumb) = thumb_element(view) {
+        let _ = thumb.focus();
+    }
 }
 
 fn thumb_id(view: usize) -> String {
