@@ -108,10 +108,7 @@ fn a_link_copied_in_one_browser_opens_in_another_with_the_same_numbers() -> Resu
         let workbench = opened(page, &link)?;
         assert_eq!(workbench.state()?, "done", "{}", workbench.alert());
         page.wait_text(&part("guest-note"), "rounded by at most")?;
-        assert_eq!(
-            page.count("[data-testid^=\"view-row-\"]")?,
-            truth.views.len()
-        );
+        assert_eq!(workbench.row_count()?, truth.views.len());
         let scene = page.settled_picture_of(&part("scene"))?;
         ensure!(scene.distinct_colours() > 5, "the scene shows no points");
         page.screenshot("link-opened")?;
@@ -137,7 +134,7 @@ fn a_link_of_version_1_opens() -> Result<()> {
         let workbench = opened(page, &format!("{}#{}", site.url(), LINK_1.trim()))?;
         assert_eq!(workbench.state()?, "done", "{}", workbench.alert());
         assert_eq!(page.text("h1.scan-name")?, "Two points of a ball");
-        assert_eq!(page.count("[data-testid^=\"view-row-\"]")?, 3);
+        assert_eq!(workbench.row_count()?, 3);
         Ok(())
     })
 }

@@ -66,7 +66,7 @@ fn plots_have_axes_and_values_and_choose_a_view_everywhere() -> Result<()> {
         )?;
 
         // Another view is chosen in the table: both drawings ring it.
-        workbench.click("view-row-0010")?;
+        workbench.click_row("0010")?;
         page.wait_until(
             "rings around view 0010",
             "document.querySelectorAll('.plot-marks .chosen').length >= 4",

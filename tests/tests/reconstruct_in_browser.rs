@@ -129,11 +129,10 @@ fn every_view_has_its_row_and_its_pictures() -> Result<()> {
     with_workbench("views", |workbench| {
         workbench.reconstruct(&archive)?;
         let page = workbench.page;
-        let rows = page.count("[data-testid^=\"view-row-\"]")?;
-        assert_eq!(rows, views.len());
+        assert_eq!(workbench.row_count()?, views.len());
 
         let id = views[0]["id"].as_str().context("a view without id")?;
-        workbench.click(&format!("view-row-{id}"))?;
+        workbench.click_row(id)?;
         for canvas in ["picture-on", "picture-off", "picture-difference"] {
             let canvas = part(canvas);
             page.wait_visible(&canvas)?;
