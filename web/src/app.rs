@@ -7,6 +7,7 @@ use web_sys::{DragEvent, Element};
 use crate::files::{self, FILE_INPUT};
 use crate::history::History;
 use crate::lab::Lab;
+use crate::launch;
 use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
@@ -53,6 +54,7 @@ fn App() -> impl IntoView {
     accept_drops(workbench);
     shortcuts::listen(workbench);
     share::follow_address(workbench);
+    launch::accept(workbench);
     let screen = Memo::new(move |_| workbench.screen());
     view! {
         <Header />

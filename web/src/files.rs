@@ -4,7 +4,9 @@ use js_sys::{Array, Uint8Array};
 use leptos::prelude::document;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
-use web_sys::{Blob, BlobPropertyBag, FileList, HtmlAnchorElement, HtmlElement, Response, Url};
+use web_sys::{
+    Blob, BlobPropertyBag, File, FileList, HtmlAnchorElement, HtmlElement, Response, Url,
+};
 
 use crate::run::Problem;
 use crate::share::open_file;
@@ -27,9 +29,17 @@ pub(crate) fn open(workbench: Workbench, list: Option<FileList>) {
         .iter()
         .flat_map(|l| (0..l.length()).filter_map(|i| l.get(i)))
         .collect();
-    match files.as_slice() {
+    open_one_of(workbench, &files);
+}
+
+/// Opens the file, if it is one.
+pub(crate) fn open_one_of(workbench: Workbench, files: &[File]) {
+    match files {
         [] => {}
-        [file] => open_file(workbench, file.clone().into(), file.name()),
+        [file] => {
+            workbench.comes_by_address(false);
+            open_file(workbench, file.clone().into(), file.name());
+        }
         [_, ..] => workbench.fail(Problem::input(
             format!("{} files at once; a scan is one archive.", files.len()),
             "Pack scan.json and its pictures into one .zip, and choose that.",

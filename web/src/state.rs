@@ -19,6 +19,7 @@ use crate::run::{
     PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
 };
 use crate::sessions::{Found, HowFar, Keeping, Record, Session};
+use crate::share;
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,6 +164,8 @@ pub(crate) struct Workbench {
     opening: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
     /// and who keeps what is shown.
     kept: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
+    /// Whether what is being opened stands in the page's address.
+    by_address: StoredValue<bool>,
     /// The worker that has what came without its archive.
     guest_hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
@@ -204,6 +207,7 @@ impl Workbench {
             lab: StoredValue::new_local(None),
             opening: StoredValue::new_local(None),
             kept: StoredValue::new_local(None),
+            by_address: StoredValue::new(false),
             guest_hand: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
@@ -275,6 +279,11 @@ impl Workbench {
         } else {
             StageState::Done
         }
+    }
+
+    /// Says whether what is opened next stands in the page's address.
+    pub(crate) fn comes_by_address(self, by_address: bool) {
+        self.by_address.set_value(by_address);
     }
 
     /// Measures a file. What is shown stays until the new scan is measured.
@@ -429,6 +438,9 @@ impl Workbench {
     fn clear(self, facts: Facts, plan: Plan) {
         if let Some(kept) = self.kept.try_update_value(Option::take).flatten() {
             kept.leave();
+        }
+        if !self.by_address.get_value() {
+            share::forget_address();
         }
         self.lab.set_value(None);
         self.guest_hand.set_value(None);

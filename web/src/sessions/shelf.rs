@@ -209,6 +209,7 @@ fn go_on(workbench: Workbench, id: String) {
         match kept(&id).await {
             Ok((session, record, archive)) => {
                 let found = session.found().await;
+                workbench.comes_by_address(false);
                 workbench.go_on(archive, record, found, Some(session));
             }
             Err(problem) => workbench.fail(problem),
