@@ -229,3 +229,60 @@ fn of_many_views_only_those_in_sight_are_made_and_all_can_be_reached() -> Result
         )
     })
 }
+
+#[test]
+fn what_a_part_of_a_line_is_can_be_said_and_taken_back() -> Result<()> {
+    let samples = samples()?;
+    let line = samples.iter().find(|path| path.ends_with("line.zip"));
+    with_workbench("line-said", |workbench| {
+        workbench.reconstruct(line.context("no sample line.zip")?)?;
+        let page = workbench.page;
+        workbench.click_row("0013")?;
+        let counts = || -> Result<Vec<u32>> {
+            let told = page.text(&part("spots"))?;
+            let words = told.split(|c: char| !c.is_ascii_digit());
+            Ok(words.filter_map(|word| word.parse().ok()).collect())
+        };
+        let before = counts()?;
+        let [wall, object, stray] = before[..] else {
+            anyhow::bail!("{before:?} are not three counts");
+        };
+        // In the middle of the object's part of the line.
+        let at = page.value_of(
+            "(() => {
+                const picture = document.querySelector('[data-testid=picture-on-frame]');
+                picture.scrollIntoView({ block: 'center' });
+                const part = picture.querySelector('[data-testid=line-object] path');
+                const points = part.getAttribute('d').match(/M[^M]+/g);
+                const [u, v] = points[points.length >> 1].match(/[\\d.]+/g).map(Number);
+                const place = new DOMPoint(u, v).matrixTransform(part.getScreenCTM());
+                const box = picture.getBoundingClientRect();
+                return [(place.x - box.x) / box.width, (place.y - box.y) / box.height];
+            })()",
+        )?;
+        let share = |i: usize| at[i].as_f64().context("no point of the object");
+        page.click_at(&part("picture-on-frame"), (share(0)?, share(1)?))?;
+        page.wait_visible(&part("say-stray"))?;
+        page.screenshot("line-marked")?;
+        workbench.click("say-stray")?;
+        let is = |what: &str, condition: String| page.wait_long(RECONSTRUCTION, what, &condition);
+        let told = format!("document.querySelector('{}').innerText", part("spots"));
+        is(
+            "fewer points of the object",
+            format!("!{told}.includes('{object} on the object')"),
+        )?;
+        let after = counts()?;
+        ensure!(
+            after[0] == wall && after[1] + 3 < object && after[2] > stray,
+            "{before:?} are {after:?} by now"
+        );
+        page.screenshot("line-said")?;
+        page.press("Control+z")?;
+        is(
+            "the points to be back",
+            format!("{told}.includes('{object} on the object')"),
+        )?;
+        assert_eq!(counts()?, before);
+        Ok(())
+    })
+}

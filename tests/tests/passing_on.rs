@@ -38,7 +38,8 @@ fn result_of(bytes: &[u8]) -> Result<ReconstructionResult> {
 /// Opens an address and waits until the page has settled.
 fn opened<'a>(page: &'a Page<'a>, address: &str) -> Result<Workbench<'a>> {
     page.open(address)?;
-    let settled = "['done', 'failed'].includes(document.documentElement.dataset.state)";
+    let settled = "['done', 'failed'].includes(document.documentElement.dataset.state)
+        && !document.querySelector('main [aria-busy=true]')";
     page.wait_long(RECONSTRUCTION, "the page to settle", settled)?;
     Ok(Workbench { page })
 }
@@ -415,5 +416,19 @@ fn what_is_too_much_for_a_link_is_offered_as_a_file() -> Result<()> {
             .page
             .wait_text(&part("link-said"), "too much for a link")?;
         workbench.page.wait_visible(&part("download-page"))
+    })
+}
+
+#[test]
+fn a_scan_that_was_opened_since_takes_the_link_out_of_the_address() -> Result<()> {
+    let site = site()?;
+    with_page("link-left", |page| {
+        let workbench = opened(page, &format!("{}#{}", site.url(), LINK_1.trim()))?;
+        let fragment = || page.value_of("location.hash.slice(0, 4)");
+        ensure!(fragment()? == "#r1=", "the link has left the address");
+        workbench.reconstruct(&sample("jar")?)?;
+        ensure!(fragment()? == "", "the link is still in the address");
+        page.reload()?;
+        workbench.wait_state("start", PATIENCE)
     })
 }

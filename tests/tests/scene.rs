@@ -189,6 +189,15 @@ fn a_picture_of_the_scene_is_saved_with_and_without_its_ground() -> Result<()> {
             opaque, all,
             "the picture with its ground lets light through"
         );
+        // The legend stands at the lower left, with both ends of the colours.
+        let pixels = image::load_from_memory(&saved.bytes)?.into_rgb8();
+        let (right, top) = (240, pixels.height().saturating_sub(90));
+        for end in [[68, 1, 84], [253, 231, 37]] {
+            let shown = pixels
+                .enumerate_pixels()
+                .any(|(x, y, pixel)| x < right && y > top && pixel.0 == end);
+            ensure!(shown, "the legend lacks the colour {end:?}");
+        }
         workbench.click("picture-transparent")?;
         let saved = workbench.download("save-picture")?;
         let [all, clear, opaque] = opacity(&saved.bytes)?;

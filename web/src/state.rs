@@ -582,7 +582,32 @@ impl Workbench {
         let mut plan = self.plan();
         plan.corrections.retain(|said| !is_about(said, view, pixel));
         plan.corrections
-            .extend(role.map(|role| Correction { view, pixel, role }));
+            .extend(role.map(|role| Correction::of_spot(view, pixel, role)));
+        self.follow("spot", plan);
+        self.let_go();
+    }
+
+    /// Says what the points of a line are that lie no farther than `reach` px from a pixel, or (`None`) leaves
+    /// them to the program, and measures again.
+    pub(crate) fn say_within(
+        self,
+        view: usize,
+        pixel: [f64; 2],
+        reach: f64,
+        role: Option<SpotRole>,
+    ) {
+        let mut plan = self.plan();
+        let covered = |said: &Correction| {
+            let [du, dv] = [0, 1].map(|axis| said.pixel[axis] - pixel[axis]);
+            said.view == view && (du * du + dv * dv).sqrt() <= reach
+        };
+        plan.corrections.retain(|said| !covered(said));
+        plan.corrections.extend(role.map(|role| Correction {
+            view,
+            pixel,
+            reach,
+            role,
+        }));
         self.follow("spot", plan);
         self.let_go();
     }
