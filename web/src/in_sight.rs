@@ -7,19 +7,11 @@ use leptos::ev;
 use leptos::html;
 use leptos::prelude::*;
 
-/// Which way a frame is scrolled.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
-    Down,
-    Along,
-}
-
 /// What is seen of a frame. A handle: copies mean the same frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Sight {
     /// The frame that is scrolled.
     pub(crate) frame: NodeRef<html::Div>,
-    way: Way,
     /// From one part to the next, CSS px.
     pitch: i32,
     /// How far it is scrolled, CSS px.
@@ -29,10 +21,9 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    pub(crate) fn new(way: Way, pitch: i32) -> Self {
+    pub(crate) fn new(pitch: i32) -> Self {
         let sight = Self {
             frame: NodeRef::new(),
-            way,
             pitch: pitch.max(1),
             scrolled: RwSignal::new(0),
             seen: RwSignal::new(0),
@@ -51,12 +42,8 @@ impl Sight {
         let Some(frame) = self.frame.get_untracked() else {
             return;
         };
-        let (scrolled, seen) = match self.way {
-            Way::Down => (frame.scroll_top(), frame.client_height()),
-            Way::Along => (frame.scroll_left(), frame.client_width()),
-        };
-        self.scrolled.set(scrolled);
-        self.seen.set(seen);
+        self.scrolled.set(frame.scroll_top());
+        self.seen.set(frame.client_height());
     }
 
     /// The parts in sight of so many, and some on both sides: scrolling a little makes no new ones.
@@ -92,10 +79,7 @@ impl Sight {
         } else {
             return;
         };
-        match self.way {
-            Way::Down => frame.set_scroll_top(wanted),
-            Way::Along => frame.set_scroll_left(wanted),
-        }
+        frame.set_scroll_top(wanted);
         self.look();
     }
 }

@@ -5,8 +5,8 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{File, FileSystemFileHandle};
 
-use crate::files;
 use crate::run::Problem;
+use crate::share::open_file;
 use crate::state::Workbench;
 
 /// Opens whatever file the page is launched with, now and later. A browser without a launch queue hands none
@@ -15,7 +15,13 @@ pub(crate) fn accept(workbench: Workbench) {
     let consume = Closure::<dyn FnMut(JsValue)>::new(move |launch: JsValue| {
         spawn_local(async move {
             match launched(&launch).await {
-                Ok(files) => files::open_one_of(workbench, &files),
+                Ok(files) => {
+                    for file in files {
+                        workbench.comes_by_address(false);
+                        let name = file.name();
+                        open_file(workbench, file.into(), name);
+                    }
+                }
                 Err(_) => workbench.fail(Problem::input(
                     "The system does not hand the file over.",
                     "Drop it here, or choose it.",

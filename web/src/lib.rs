@@ -18,6 +18,7 @@ mod in_sight;
 mod lab;
 mod launch;
 mod legend;
+mod making;
 mod measuring;
 mod number;
 mod pictures;

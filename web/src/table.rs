@@ -10,7 +10,7 @@ use snellius::export::Status;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement, KeyboardEvent};
 
-use crate::in_sight::{Sight, Way, letter};
+use crate::in_sight::{Sight, letter};
 use crate::number::fixed;
 use crate::run::{Facts, ObjectPoint, Outcome};
 use crate::state::Workbench;
@@ -71,7 +71,7 @@ pub(crate) fn ViewsTable() -> impl IntoView {
         sorted(&facts, &outcome, order.get())
     });
     let count = Memo::new(move |_| rows.with(Vec::len));
-    let sight = Sight::new(Way::Down, (ROW * letter()).round() as i32);
+    let sight = Sight::new((ROW * letter()).round() as i32);
     let made = Memo::new(move |_| sight.parts(count.get()));
     let stop = Memo::new(move |_| stop(workbench, rows, made.get()));
     let wanted = StoredValue::new(None::<usize>);
