@@ -1,8 +1,12 @@
 //! The page of this project, by the names that it gives its parts (`data-testid`) and its state.
 
-use std::{path::Path, time::Duration};
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result, ensure};
+use serde_json::Value;
 
 use crate::{Download, Page, Site, places, with_page};
 
@@ -148,4 +152,39 @@ impl Workbench<'_> {
             .download(|| self.click(button))
             .with_context(|| format!("`{button}` gives no file"))
     }
+}
+
+/// What is kept in the browser is written within this time.
+pub const KEPT: Duration = Duration::from_secs(60);
+
+/// Waits until a promise of the page comes to `true`.
+pub fn wait_promise(page: &Page, what: &str, promise: &str) -> Result<()> {
+    let end = Instant::now() + KEPT;
+    while page.value_of(promise)? != true {
+        ensure!(Instant::now() < end, "waited for {what}");
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    Ok(())
+}
+
+/// Waits until the page's files hold some words in the record of a session.
+pub fn wait_kept(page: &Page, words: &str) -> Result<()> {
+    let promise = format!(
+        "(async () => {{
+            const root = await navigator.storage.getDirectory();
+            let texts = '';
+            try {{
+                const sessions = await root.getDirectoryHandle('sessions');
+                for await (const folder of sessions.values()) {{
+                    try {{
+                        const file = await folder.getFileHandle('session.json');
+                        texts += await (await file.getFile()).text();
+                    }} catch {{}}
+                }}
+            }} catch {{}}
+            return texts.includes({});
+        }})()",
+        Value::from(words)
+    );
+    wait_promise(page, &format!("{words:?} to be kept"), &promise)
 }

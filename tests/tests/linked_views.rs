@@ -216,7 +216,7 @@ fn of_many_views_only_those_in_sight_are_made_and_all_can_be_reached() -> Result
         page.value_of("void (document.querySelector('.table-frame').scrollTop = 0)")?;
         page.wait_until(
             "the last view in the first row",
-            "document.querySelector('tbody tr')?.innerText.startsWith('0021-7')",
+            "document.querySelector('[data-testid=views-table] tbody tr')?.innerText.startsWith('0021-7')",
         )?;
 
         // In the strip, too.

@@ -2,7 +2,6 @@
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -10,11 +9,8 @@ use snellius_tests::{
     Browser, PATIENCE, Page, Site,
     companion::Output,
     places::{self, samples},
-    workbench::{RECONSTRUCTION, Workbench, part, with_workbench},
+    workbench::{KEPT, RECONSTRUCTION, Workbench, part, wait_kept, wait_promise, with_workbench},
 };
-
-/// What is kept is written within this time.
-const KEPT: Duration = Duration::from_secs(60);
 
 fn tank() -> Result<PathBuf> {
     let tank = samples()?
@@ -31,38 +27,6 @@ fn result(workbench: &Workbench) -> Result<Value> {
     Ok(serde_json::from_slice(
         &workbench.download("download-json")?.bytes,
     )?)
-}
-
-/// Waits until a promise of the page comes to `true`.
-fn wait_promise(page: &Page, what: &str, promise: &str) -> Result<()> {
-    let end = Instant::now() + KEPT;
-    while page.value_of(promise)? != true {
-        ensure!(Instant::now() < end, "waited for {what}");
-        std::thread::sleep(Duration::from_millis(100));
-    }
-    Ok(())
-}
-
-/// Waits until the page's files hold some words in the record of a session.
-fn wait_kept(page: &Page, words: &str) -> Result<()> {
-    let promise = format!(
-        "(async () => {{
-            const root = await navigator.storage.getDirectory();
-            let texts = '';
-            try {{
-                const sessions = await root.getDirectoryHandle('sessions');
-                for await (const folder of sessions.values()) {{
-                    try {{
-                        const file = await folder.getFileHandle('session.json');
-                        texts += await (await file.getFile()).text();
-                    }} catch {{}}
-                }}
-            }} catch {{}}
-            return texts.includes({});
-        }})()",
-        Value::from(words)
-    );
-    wait_promise(page, &format!("{words:?} to be kept"), &promise)
 }
 
 /// Waits until an archive of that many bytes is kept whole, and spots that were found at two times.

@@ -60,7 +60,8 @@ struct Inner {
     slab: Cell<Slab>,
     /// What the picture was last fitted to, until a hand moves the camera.
     fitted: Cell<Option<Subject>>,
-    frame_asked_for: Cell<bool>,
+    /// The number of the frame that the browser was asked for, until it comes.
+    frame_asked_for: Cell<Option<i32>>,
     last_frame: Cell<f64>,
     /// How many points it draws while it is in motion.
     pace: Pace,
@@ -179,7 +180,7 @@ impl Stage {
             range: Cell::new([0.0, 1.0]),
             slab: Cell::new(Slab::ALL),
             fitted: Cell::new(None),
-            frame_asked_for: Cell::new(false),
+            frame_asked_for: Cell::new(None),
             last_frame: Cell::new(0.0),
             pace: Pace::default(),
             on_frame: RefCell::new(None),
@@ -192,6 +193,10 @@ impl Stage {
 
     /// Lets go of itself and of the graphics context: a browser gives but a few of them at a time.
     pub(super) fn close(&self) {
+        // The browser must not call what is dropped.
+        if let (Some(window), Some(asked)) = (web_sys::window(), self.0.frame_asked_for.take()) {
+            let _ = window.cancel_animation_frame(asked);
+        }
         self.0.on_frame.replace(None);
         let graphics = self.0.canvas.get_context("webgl2").ok().flatten();
         let loss = graphics
@@ -425,16 +430,17 @@ impl Stage {
 
     /// Asks for a frame; asking twice gives one.
     pub(super) fn draw_soon(&self) {
-        if self.0.frame_asked_for.replace(true) {
+        if self.0.frame_asked_for.get().is_some() {
             return;
         }
         if let (Some(window), Some(on_frame)) = (web_sys::window(), &*self.0.on_frame.borrow()) {
-            let _ = window.request_animation_frame(on_frame.as_ref().unchecked_ref());
+            let asked = window.request_animation_frame(on_frame.as_ref().unchecked_ref());
+            self.0.frame_asked_for.set(asked.ok());
         }
     }
 
     fn frame(&self, time: f64) {
-        self.0.frame_asked_for.set(false);
+        self.0.frame_asked_for.set(None);
         let bending = self.step_refraction(time);
         let filling = self.0.set.borrow_mut().fill_some();
         self.match_resolution();
