@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use snellius::geometry::Point;
 use snellius::pipeline::{Reconstruction, Settings, reconstruct};
 use snellius::scan::Scan;
-use snellius::simulate::{Scene, Simulation, Truth};
+use snellius::simulate::{Exposure, Scene, Simulation, Truth};
 use snellius::spots::{Spots, find_spots};
 use snellius::vessel::Wall;
 
@@ -27,6 +27,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = arguments.first().ok_or("which scene?")?;
     let scans: u64 = arguments.get(1).map_or(Ok(20), |text| text.parse())?;
     let scene = Scene::from_toml(&std::fs::read_to_string(path)?)?;
+    let simulation = Simulation::new(scene.clone())?;
+    let views = (0..simulation.views()).into_par_iter();
+    let dark: Vec<Exposure> = views.map(|view| simulation.room_light(view)).collect();
     let runs: Vec<Run> = (0..scans)
         .into_par_iter()
         .filter_map(|seed| {
@@ -34,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 seed,
                 ..scene.clone()
             };
-            Run::of(scene)
+            Run::of(scene, &dark)
                 .inspect_err(|error| println!("{seed}: {error}"))
                 .ok()
         })
@@ -86,12 +89,13 @@ struct Points {
 }
 
 impl Run {
-    fn of(scene: Scene) -> Result<Self, Box<dyn Error>> {
+    fn of(scene: Scene, dark: &[Exposure]) -> Result<Self, Box<dyn Error>> {
         let simulation = Simulation::new(scene)?;
         let truth = simulation.truth();
         let settings = Settings::default();
-        let spots: Vec<Spots> = (0..simulation.views())
-            .map(|view| find_spots(&simulation.pictures(view), &settings.spots))
+        let spots = dark.iter().enumerate();
+        let spots: Vec<Spots> = spots
+            .map(|(view, dark)| find_spots(&simulation.pictures_by(dark, view), &settings.spots))
             .collect();
         let scan = Scan::new(simulation.manifest().clone())?;
         let given = Scan {

@@ -10,7 +10,7 @@ use crate::scan::{InsideMedium, Picture};
 
 /// Light on the sensor, grey values, before noise and rounding.
 #[derive(Clone, Debug)]
-pub(super) struct Exposure {
+pub struct Exposure {
     width: usize,
     height: usize,
     light: Vec<f32>,
