@@ -282,13 +282,22 @@ impl Simulation {
     }
 
     fn add_beam(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
+        if self.scene.beam.speckle == 0.0 {
+            return self.draw_spots(view, beam, exposure);
+        }
+        let mut spots = exposure.unlit();
+        self.draw_spots(view, beam, &mut spots);
+        spots.speckle(&mut Grains::of(&self.scene, view));
+        exposure.add(&spots);
+    }
+
+    fn draw_spots(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
         let false_light = ghosts::of(self, view);
         let on_object = match false_light.object_hidden {
             true => 0.0,
             false => brightness.object,
         };
-        let mut grains = Grains::of(&self.scene, view);
         for (ray, share) in self.scene.beam.rays(beam) {
             let landing = self.landing(view, &ray);
             let glows = [
@@ -308,8 +317,7 @@ impl Simulation {
             for (point, faces, light) in spots.filter(|(.., light)| *light > 0.0) {
                 let pixel = point.and_then(|point| self.seen(view, point, faces));
                 if let Some(pixel) = pixel {
-                    let light = share * light * grains.next();
-                    exposure.add_spot(pixel, self.scene.beam.blur, light);
+                    exposure.add_spot(pixel, self.scene.beam.blur, share * light);
                 }
             }
         }

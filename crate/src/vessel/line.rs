@@ -18,7 +18,7 @@ use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::optics::Surface;
 use crate::rig::{Profiles, Sheet};
 use crate::robust::median;
-use crate::spots::{Line, Spot};
+use crate::spots::{Grain, Line, Spot};
 
 /// A block has so many points at least.
 const LEAST: usize = 5;
@@ -91,6 +91,10 @@ impl Finder<'_> {
             self.add_uncertainty(&mut fit, &picks(&of_share(share + glows.share_sigma)));
         }
         let points = self.line_points(&lines, (&merged, &blocks), &fit, (share, grain));
+        let grain = Grain {
+            value: grain,
+            information: 0.0,
+        };
         let mut found = self.assemble(&picks(&blocks), &faces, fit, (grain, glow.glows, choice))?;
         found.replace_points(points);
         Ok(found)
@@ -404,7 +408,7 @@ fn parabola(
 }
 
 /// The grain of the laser's light: what the points scatter about their curves beyond the camera's noise, in
-/// parts of the line's own second moment (see [`super::grain`]).
+/// parts of the line's own second moment (see [`Grain`]).
 fn grain(lines: &[ViewLine], marked: &[Vec<bool>]) -> f64 {
     /// Points so far apart share no light, and the wall hardly bends between them.
     const APART: usize = 4;
