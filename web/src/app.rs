@@ -2,11 +2,10 @@
 
 use leptos::prelude::*;
 use leptos::{ev, html, mount};
-use web_sys::{DragEvent, Element};
+use web_sys::DragEvent;
 
 use crate::files::{self, FILE_INPUT};
 use crate::history::History;
-use crate::lab::Lab;
 use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
@@ -19,25 +18,11 @@ use crate::state::{Screen, Workbench};
 
 /// Puts the page in the place of what was shown while it loaded.
 pub(crate) fn start() {
-    std::panic::set_hook(Box::new(|panic| {
-        web_sys::console::error_1(&panic.to_string().into());
-        if let Some(root) = root() {
-            let _ = root.set_attribute("data-state", "failed");
-            let _ = root.set_attribute("data-broken", "");
-        }
-        if let Some(details) = document().get_element_by_id("broken-details") {
-            details.set_text_content(Some(&format!("Snellius {}\n{panic}", snellius::VERSION)));
-        }
-    }));
     if let Some(shell) = document().get_element_by_id("shell") {
         shell.remove();
     }
     sessions::sweep();
     mount::mount_to_body(App);
-}
-
-fn root() -> Option<Element> {
-    document().document_element()
 }
 
 #[component]
@@ -46,7 +31,7 @@ fn App() -> impl IntoView {
     provide_context(workbench);
     Effect::new(move |_| {
         let word = workbench.word();
-        if let Some(root) = root() {
+        if let Some(root) = document().document_element() {
             let _ = root.set_attribute("data-state", word);
         }
     });
@@ -66,7 +51,6 @@ fn App() -> impl IntoView {
                 Screen::Result => view! { <ResultScreen /> }.into_any(),
             }}
         </main>
-        <Lab />
     }
 }
 

@@ -1,13 +1,15 @@
 //! Snellius in the browser: drop a scan, see the object.
 //!
-//! Two programs are made of this: the page (`main.rs`), which keeps the state in [`state`] and shows it, and
-//! what computes in its workers (`bin/snellius-worker.rs`), which is loaded when the first scan is opened.
-//! What they say to each other is in [`run`]; the picture in 3-D is [`scene`].
+//! Three programs are made of this: the page (`main.rs`), which keeps the state in [`state`] and shows it; what
+//! computes in its workers (`bin/snellius-worker.rs`), which is loaded when the first scan is opened; and the
+//! refraction lab (`bin/snellius-lab.rs`), which is loaded when the address first means it. What page and workers
+//! say to each other is in [`run`]; the picture in 3-D is [`scene`].
 
 // `#[component]` makes a public item of a component's properties, whatever its own visibility.
 #![allow(unreachable_pub)]
 
 mod app;
+mod broken;
 mod clipboard;
 mod colours;
 mod files;
@@ -37,7 +39,14 @@ use web_sys::DedicatedWorkerGlobalScope;
 
 /// Shows the page.
 pub fn page() {
+    broken::tell_of_panics();
     app::start();
+}
+
+/// Shows the refraction lab whenever the address means it.
+pub fn lab() {
+    broken::tell_of_panics();
+    lab::start();
 }
 
 /// Answers the page's questions, in a worker.

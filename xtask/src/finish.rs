@@ -1,5 +1,5 @@
 //! The last stroke of a build of the page. Trunk calls it (`[[hooks]]` in `Trunk.toml`) with the folder in which
-//! it has put everything: the workers' program gets a name of its content, like every other file, and the
+//! it has put everything: the programs that are fetched later get a name of their content, like every other file, and the
 //! service worker a list of what it must keep for a visit without a network.
 
 use std::{
@@ -11,8 +11,8 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 
-/// What Trunk calls the workers' program, and what the page asks for.
-const WORKER: &str = "snellius-worker";
+/// What Trunk calls the programs that are fetched later, and what the page asks for.
+const FETCHED_LATER: [&str; 2] = ["snellius-worker", "snellius-lab"];
 const SERVICE_WORKER: &str = "service-worker.js";
 /// What stands in the service worker for the list of files, and for the name of the build.
 const FILES_MARK: &str = "[/* files */]";
@@ -29,24 +29,26 @@ pub(crate) fn run() -> Result<()> {
 }
 
 fn finish(folder: &Path) -> Result<()> {
-    name_workers_program(folder)?;
+    for program in FETCHED_LATER {
+        name_by_content(folder, program)?;
+    }
     list_files(folder)
 }
 
-/// A new build has new file names: no browser mixes a page with workers of another build.
-fn name_workers_program(folder: &Path) -> Result<()> {
-    let parts = [".js", "_bg.wasm"].map(|end| (end, folder.join(format!("{WORKER}{end}"))));
+/// A new build has new file names: no browser mixes a page with programs of another build.
+fn name_by_content(folder: &Path, program: &str) -> Result<()> {
+    let parts = [".js", "_bg.wasm"].map(|end| (end, folder.join(format!("{program}{end}"))));
     let mut hasher = DefaultHasher::new();
     for (_, path) in &parts {
         read(path)?.hash(&mut hasher);
     }
-    let name = format!("{WORKER}-{:016x}", hasher.finish());
+    let name = format!("{program}-{:016x}", hasher.finish());
     for (end, path) in parts {
         fs::rename(&path, folder.join(format!("{name}{end}")))?;
     }
     replace(
         &folder.join("index.html"),
-        &format!("content=\"{WORKER}\""),
+        &format!("content=\"{program}\""),
         &format!("content=\"{name}\""),
     )
 }
@@ -96,10 +98,12 @@ mod tests {
         let files = [
             (
                 "index.html",
-                "<meta name=\"w\" content=\"snellius-worker\" />",
+                "<meta content=\"snellius-worker\" /><meta content=\"snellius-lab\" />",
             ),
             ("snellius-worker.js", "script"),
             ("snellius-worker_bg.wasm", code),
+            ("snellius-lab.js", "script"),
+            ("snellius-lab_bg.wasm", code),
             (
                 SERVICE_WORKER,
                 "const FILES = [/* files */], BUILD = \"/* build */\";",
@@ -122,15 +126,15 @@ mod tests {
     }
 
     #[test]
-    fn the_page_and_the_list_name_the_workers_program_by_its_content() {
+    fn the_page_and_the_list_name_the_later_programs_by_their_content() {
         let (index, service) = finished("finish", "code");
-        let name = index.split("content=\"").nth(1).unwrap();
-        let name = name.split('"').next().unwrap();
-        assert_eq!(name.len(), "snellius-worker-0123456789abcdef".len());
-        assert!(
-            service.contains(&format!("\"{name}_bg.wasm\"")),
-            "{service}"
-        );
+        let names: Vec<_> = index.split('"').skip(1).step_by(2).collect();
+        assert_eq!(names.len(), FETCHED_LATER.len());
+        for (name, program) in names.iter().zip(FETCHED_LATER) {
+            assert_eq!(name.len(), program.len() + "-0123456789abcdef".len());
+            let listed = format!("\"{name}_bg.wasm\"");
+            assert!(service.contains(&listed), "{service}");
+        }
         assert!(!service.contains("samples"), "{service}");
         let (other, _) = finished("finish-other", "other code");
         assert_ne!(index, other);

@@ -22,6 +22,7 @@ mod sight;
 mod space;
 mod state;
 
+use leptos::mount;
 use leptos::prelude::*;
 use snellius::lab::{Bench, View, link};
 
@@ -35,9 +36,13 @@ pub(crate) fn is_open() -> bool {
 /// How the page's root is marked while the lab is open.
 const OPEN: &str = "data-lab";
 
-/// The lab, if the address means it; it lies over the workbench, which keeps what it has.
+/// Puts the lab beside the workbench, over which it lies while the address means it.
+pub(crate) fn start() {
+    mount::mount_to_body(Lab);
+}
+
 #[component]
-pub(crate) fn Lab() -> impl IntoView {
+fn Lab() -> impl IntoView {
     let lab = LabState::new();
     provide_context(lab);
     view! {

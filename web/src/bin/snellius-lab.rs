@@ -1,0 +1,5 @@
+//! The refraction lab.
+
+fn main() {
+    snellius_web::lab();
+}
