@@ -15,6 +15,7 @@
 pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod compose;
 pub mod export;
 pub mod geometry;
 pub mod index;

@@ -6,6 +6,7 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use std::process::{Command, Output, Stdio};
 
 use common::archives::{Entries, Folder, measure, repository, scene, simulate};
 use serde_json::{Value, json};
+use snellius::scan::Archive;
 
 fn snellius(arguments: &[impl AsRef<OsStr>]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_snellius"))
@@ -531,6 +533,46 @@ fn is_of_type(value: &Value, name: &Value) -> bool {
 }
 
 /// `snellius schema | head -1`: the reader has had enough, and that is no fault.
+#[test]
+fn a_scan_is_repeated_with_views_and_pictures_of_their_own() {
+    let folder = Folder::new();
+    let faces = json!([{ "kind": "flatness", "views": [["0000", "0001", "0002"]] }]);
+    let small = Entries::of(&small_scan()).with_manifest(|m| m["known"] = faces);
+    let scan = folder.write("scan.zip", &small.zipped());
+    let large = folder.path("large.zip");
+    // Ten views of two pictures with 320 x 240 bytes: two repeats are a little more than that.
+    let mut arguments: Vec<PathBuf> = vec!["repeat".into(), scan.clone()];
+    arguments.extend([
+        "--size".into(),
+        "3M".into(),
+        "--output".into(),
+        large.clone(),
+    ]);
+    assert_ends_with(&snellius(&arguments), 0);
+
+    let open = |path: &PathBuf| Archive::open(fs::File::open(path).unwrap()).unwrap();
+    let (mut scan, mut large) = (open(&scan), open(&large));
+    let (once, twice) = (scan.scan().manifest.clone(), large.scan().manifest.clone());
+    assert_eq!((once.views.len(), twice.views.len()), (10, 20));
+    for (index, view) in twice.views.iter().enumerate() {
+        let (repeat, of) = (index / 10, index % 10);
+        assert_eq!(view.id, format!("{}-{repeat}", once.views[of].id));
+        assert_eq!(view.world_from_flange, once.views[of].world_from_flange);
+        assert_eq!(large.pictures(index).unwrap(), scan.pictures(of).unwrap());
+    }
+    let pictures = twice
+        .views
+        .iter()
+        .flat_map(|view| [Some(&view.on), view.off.as_ref()]);
+    let different: BTreeSet<_> = pictures.clone().collect();
+    assert_eq!((pictures.count(), different.len()), (40, 40));
+    let face = &twice.known[0].views.as_ref().unwrap()[0];
+    assert_eq!(face.join(" "), "0000-0 0001-0 0002-0 0000-1 0001-1 0002-1");
+
+    arguments[3] = "much".into();
+    assert!(assert_ends_with(&snellius(&arguments), 2).contains("500M"));
+}
+
 #[test]
 fn a_reader_that_stops_early_is_no_fault() {
     let folder = Folder::new();

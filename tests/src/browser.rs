@@ -51,6 +51,17 @@ pub struct Browser {
     directory: TempDir,
 }
 
+/// A process of Chromium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Process {
+    /// `browser`, `renderer`, `GPU`, `utility`.
+    pub kind: String,
+    /// Its number.
+    pub id: u32,
+    /// How long it has been at work, seconds of a core.
+    pub seconds: f64,
+}
+
 impl Browser {
     /// Starts Chromium and waits until it listens.
     pub fn start() -> Result<Self> {
@@ -108,6 +119,23 @@ impl Browser {
     /// Chromium's process number.
     pub fn process_id(&self) -> u32 {
         self.process.id()
+    }
+
+    /// All processes of Chromium.
+    pub fn processes(&self) -> Result<Vec<Process>> {
+        let answer = self.call("SystemInfo.getProcessInfo", json!({}))?;
+        let list = answer["processInfo"].as_array().context("no processes")?;
+        let process = |told: &Value| {
+            Some(Process {
+                kind: told["type"].as_str()?.to_owned(),
+                id: u32::try_from(told["id"].as_u64()?).ok()?,
+                seconds: told["cpuTime"].as_f64()?,
+            })
+        };
+        let processes = list.iter().map(process);
+        processes
+            .collect::<Option<_>>()
+            .context("Chromium tells otherwise of its processes")
     }
 
     /// The directory that holds all that Chromium writes.

@@ -33,7 +33,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use anyhow::{Result, ensure};
 
-pub use browser::Browser;
+pub use browser::{Browser, Process};
 pub use page::{Area, Download, PATIENCE, Page};
 pub use picture::Picture;
 pub use server::Site;

@@ -436,6 +436,13 @@ impl Page<'_> {
         self.wait_until("the new size", &format!("innerWidth === {width}"))
     }
 
+    /// Has the page believe in so many cores, from the next page that is loaded on.
+    pub fn set_cores(&self, cores: u32) -> Result<()> {
+        let cores = json!({ "hardwareConcurrency": cores });
+        self.call("Emulation.setHardwareConcurrencyOverride", cores)
+            .map(drop)
+    }
+
     /// Holds back whatever is fetched from addresses of a pattern (`*`, `?`), until it is let through.
     pub fn hold_back(&self, pattern: &str) -> Result<()> {
         let patterns = json!({ "patterns": [{ "urlPattern": pattern }] });

@@ -94,6 +94,29 @@ fn the_start_the_run_and_a_refusal_have_no_fault() -> Result<()> {
 }
 
 #[test]
+fn the_form_of_a_scan_has_no_fault() -> Result<()> {
+    with_workbench("axe-making", |workbench| {
+        let page = workbench.page;
+        page.wait_visible(&part("make-scan"))?;
+        workbench.click("make-scan")?;
+        page.wait_visible(&part("part-media"))?;
+        let directory = tempfile::tempdir()?;
+        let names = ["1_on.png", "1_off.png", "2_on.png"];
+        let files = names.map(|name| directory.path().join(name));
+        for file in &files {
+            fs::write(file, b"a picture")?;
+        }
+        page.choose_files(&part("pictures-input"), &[&files[0], &files[1], &files[2]])?;
+        page.wait_visible(&part("unpaired"))?;
+        page.value_of("document.querySelectorAll('details').forEach(part => part.open = true)")?;
+        clean(&examine(page, "form")?)?;
+        let silent = silent_stops(page)?;
+        ensure!(silent.is_empty(), "no focus is seen on {silent:#?}");
+        Ok(())
+    })
+}
+
+#[test]
 fn the_result_with_everything_open_has_no_fault() -> Result<()> {
     with_workbench("axe-result", |workbench| {
         let page = workbench.page;

@@ -51,6 +51,20 @@ fn the_start_fits_every_width_in_light_and_dark() -> Result<()> {
 }
 
 #[test]
+fn the_form_of_a_scan_fits_every_width_in_light_and_dark() -> Result<()> {
+    with_workbench("making-appearance", |workbench| {
+        let page = workbench.page;
+        workbench.click("make-scan")?;
+        page.wait_visible(&part("part-media"))?;
+        page.choose_option(&part("answer-frames"), "world-from-flange")?;
+        page.wait_visible(&part("answer-hand-rotation"))?;
+        SIZES
+            .into_iter()
+            .try_for_each(|size| both_schemes(page, "making", size))
+    })
+}
+
+#[test]
 fn the_result_fits_every_width_in_light_and_dark() -> Result<()> {
     let archive = samples()?.swap_remove(0);
     with_workbench("result-appearance", |workbench| {

@@ -12,13 +12,15 @@ use snellius_tests::{
 };
 
 /// Download button, and the file that it and the companion program name alike.
-const FILES: [(&str, &str); 10] = [
+const FILES: [(&str, &str); 12] = [
     ("download-json", "result.json"),
     ("download-object-ply", "object.ply"),
     ("download-vessel-ply", "vessel.ply"),
     ("download-csv", "points.csv"),
     ("download-object-csv", "object.csv"),
     ("download-pcd", "object.pcd"),
+    ("download-las", "object.las"),
+    ("download-e57", "object.e57"),
     ("download-glb", "scene.glb"),
     ("download-stl", "surface.stl"),
     ("download-obj", "surface.obj"),

@@ -4,8 +4,9 @@ use leptos::prelude::*;
 use leptos::{ev, html, mount};
 use web_sys::DragEvent;
 
-use crate::files::{self, FILE_INPUT};
+use crate::files::FILE_INPUT;
 use crate::history::History;
+use crate::making::{self, MakingScreen};
 use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
@@ -47,6 +48,7 @@ fn App() -> impl IntoView {
             <ProblemNote />
             {move || match screen.get() {
                 Screen::Start => view! { <StartScreen /> }.into_any(),
+                Screen::Making => view! { <MakingScreen /> }.into_any(),
                 Screen::Running => view! { <RunningScreen /> }.into_any(),
                 Screen::Result => view! { <ResultScreen /> }.into_any(),
             }}
@@ -136,13 +138,7 @@ fn Mark() -> impl IntoView {
 fn FileInput() -> impl IntoView {
     let workbench = Workbench::get();
     let input = NodeRef::<html::Input>::new();
-    let choose = move |_| {
-        if let Some(input) = input.get() {
-            files::open(workbench, input.files());
-            // So that choosing the same file again counts as a choice.
-            input.set_value("");
-        }
-    };
+    let choose = move |_| making::open_chosen(workbench, input);
     view! {
         <input
             node_ref=input
@@ -183,8 +179,9 @@ fn accept_drops(workbench: Workbench) {
     let over = window_event_listener(ev::dragover, |event: DragEvent| event.prevent_default());
     let drop = window_event_listener(ev::drop, move |event: DragEvent| {
         event.prevent_default();
-        let list = event.data_transfer().and_then(|data| data.files());
-        files::open(workbench, list);
+        if let Some(data) = event.data_transfer() {
+            making::open_dropped(workbench, &data);
+        }
     });
     on_cleanup(move || {
         over.remove();

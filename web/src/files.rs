@@ -1,14 +1,11 @@
 //! Files on their way into the page and out of it.
 
 use js_sys::{Array, Uint8Array};
-use leptos::prelude::document;
+use leptos::html;
+use leptos::prelude::*;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
-use web_sys::{Blob, BlobPropertyBag, FileList, HtmlAnchorElement, HtmlElement, Response, Url};
-
-use crate::run::Problem;
-use crate::share::open_file;
-use crate::state::Workbench;
+use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, HtmlElement, Response, Url};
 
 /// The id of the page's file input.
 pub(crate) const FILE_INPUT: &str = "file-input";
@@ -21,19 +18,10 @@ pub(crate) fn ask_for_one() {
     }
 }
 
-/// Opens the file that was dropped or chosen.
-pub(crate) fn open(workbench: Workbench, list: Option<FileList>) {
-    let files: Vec<_> = list
-        .iter()
-        .flat_map(|l| (0..l.length()).filter_map(|i| l.get(i)))
-        .collect();
-    match files.as_slice() {
-        [] => {}
-        [file] => open_file(workbench, file.clone().into(), file.name()),
-        [_, ..] => workbench.fail(Problem::input(
-            format!("{} files at once; a scan is one archive.", files.len()),
-            "Pack scan.json and its pictures into one .zip, and choose that.",
-        )),
+/// Shows the file chooser of an input.
+pub(crate) fn click(input: NodeRef<html::Input>) {
+    if let Some(input) = input.get_untracked() {
+        input.click();
     }
 }
 

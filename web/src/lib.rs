@@ -16,6 +16,7 @@ mod files;
 mod history;
 mod lab;
 mod legend;
+mod making;
 mod measuring;
 mod number;
 mod pictures;

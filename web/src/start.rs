@@ -1,11 +1,13 @@
 //! The start screen: what this is, and the ways to give it a scan.
 
+use leptos::html;
 use leptos::prelude::*;
 use serde::Deserialize;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::DragEvent;
 
 use crate::files;
+use crate::making::open_chosen;
 use crate::number::megabytes;
 use crate::run::Problem;
 use crate::sessions::Shelf;
@@ -37,6 +39,7 @@ pub(crate) fn StartScreen() -> impl IntoView {
                 </p>
             </div>
             <DropZone />
+            <FoldersAndPictures />
             <p class="privacy">
                 <Lock />
                 "Nothing leaves your machine: the scan is read and measured by this page, in your browser."
@@ -93,8 +96,34 @@ fn DropZone() -> impl IntoView {
                 "Choose a file"
             </button>
             <p class="drop-hint">
-                "A .zip with " <code>"scan.json"</code> " and pictures with the laser on and off"
+                "A .zip, or a folder, with " <code>"scan.json"</code> " and pictures with the laser on and off"
             </p>
+        </div>
+    }
+}
+
+/// The other ways in: a folder, and pictures without a manifest.
+#[component]
+fn FoldersAndPictures() -> impl IntoView {
+    let workbench = Workbench::get();
+    let folder = NodeRef::<html::Input>::new();
+    view! {
+        <div class="other-ways">
+            <button type="button" data-testid="choose-folder" on:click=move |_| files::click(folder)>
+                "Choose a folder"
+            </button>
+            <input
+                node_ref=folder
+                type="file"
+                prop:webkitdirectory=true
+                data-testid="folder-input"
+                aria-label="Folder with a scan"
+                hidden
+                on:change=move |_| open_chosen(workbench, folder)
+            />
+            <button type="button" data-testid="make-scan" on:click=move |_| workbench.making.show()>
+                "Make a scan from pictures"
+            </button>
         </div>
     }
 }

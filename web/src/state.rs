@@ -13,6 +13,7 @@ use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
 use crate::history::History;
+use crate::making::Making;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
     About, Facts, FigureForm, FigureOf, Figured, Guest, Hand, Lab, LinkMade, Outcome, PageWish,
@@ -35,6 +36,8 @@ pub(crate) enum ColourBy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Screen {
     Start,
+    /// A scan is being made of pictures.
+    Making,
     Running,
     Result,
 }
@@ -156,6 +159,8 @@ pub(crate) struct Workbench {
     pub(crate) command: RwSignal<Option<SceneCommand>>,
     /// The sheet of keys is shown.
     pub(crate) help: RwSignal<bool>,
+    /// The scan that is being made of pictures.
+    pub(crate) making: Making,
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
     lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
@@ -176,10 +181,11 @@ pub(crate) struct Workbench {
 
 impl Workbench {
     pub(crate) fn new() -> Self {
+        let problem = RwSignal::new(None);
         Self {
             progress: RwSignal::new(None),
             file_name: RwSignal::new(String::new()),
-            problem: RwSignal::new(None),
+            problem,
             facts: RwSignal::new(None),
             guest: RwSignal::new(None),
             outcome: RwSignal::new(None),
@@ -200,6 +206,7 @@ impl Workbench {
             orthographic: RwSignal::new(false),
             command: RwSignal::new(None),
             help: RwSignal::new(false),
+            making: Making::new(problem),
             at_start: RwSignal::new(false),
             lab: StoredValue::new_local(None),
             opening: StoredValue::new_local(None),
@@ -221,6 +228,8 @@ impl Workbench {
     pub(crate) fn screen(self) -> Screen {
         if self.progress.with(Option::is_some) {
             Screen::Running
+        } else if self.making.shown.get() {
+            Screen::Making
         } else if self.has_result() && !self.at_start.get() {
             Screen::Result
         } else {
@@ -239,7 +248,7 @@ impl Workbench {
             Screen::Running => "running",
             _ if self.problem.with(Option::is_some) => "failed",
             Screen::Result => "done",
-            Screen::Start => "start",
+            Screen::Start | Screen::Making => "start",
         }
     }
 
@@ -279,7 +288,7 @@ impl Workbench {
 
     /// Measures a file. What is shown stays until the new scan is measured.
     pub(crate) fn open(self, file: Blob, name: String) {
-        let record = Record::new(&name);
+        let record = Record::new(&name, file.size());
         self.go_on(file, record, Vec::new(), None);
     }
 
@@ -446,6 +455,7 @@ impl Workbench {
         self.chosen.set(None);
         self.outcome.set(None);
         self.at_start.set(false);
+        self.making.shown.set(false);
         self.progress.set(None);
     }
 

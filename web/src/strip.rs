@@ -6,25 +6,42 @@ use snellius::export::Status;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::{
-    CanvasRenderingContext2d, Element, HtmlCanvasElement, HtmlElement, ImageData,
-    IntersectionObserver, IntersectionObserverEntry, KeyboardEvent,
+    CanvasRenderingContext2d, Element, HtmlCanvasElement, HtmlElement, ImageData, KeyboardEvent,
+    ResizeObserver,
 };
 
-use crate::run::Thumbnail;
+use crate::run::{Thumbnail, sleep};
 use crate::state::Workbench;
 
-/// The strip.
+/// How far it is from one thumbnail to the next, and where the first is, px; the style sheet says so too.
+const PITCH: i32 = 84;
+const EDGE: i32 = 8;
+/// As many thumbnails beyond either end are ready to be scrolled to.
+const BEYOND: usize = 4;
+
+/// The strip. Of thousands of views only the thumbnails in sight are there, and the chosen one.
 #[component]
 pub(crate) fn Strip() -> impl IntoView {
     let workbench = Workbench::get();
     let strip = NodeRef::<html::Div>::new();
-    let views = move || {
+    let views = Memo::new(move |_| {
         let facts = workbench.facts.get();
         facts.map_or(0, |facts| facts.stations.len())
+    });
+    let sight = RwSignal::new((0, 0));
+    let look = move || {
+        if let Some(strip) = strip.get_untracked() {
+            sight.set((strip.scroll_left(), strip.client_width()));
+        }
     };
-    let seen = Seen::new(workbench);
+    let resizes = StoredValue::new_local(Resizes::new(look));
+    Effect::new(move |_| {
+        if let Some(strip) = strip.get() {
+            resizes.with_value(|resizes| resizes.iter().for_each(|r| r.watch(&strip)));
+        }
+    });
     keep_chosen_in_sight(workbench, strip);
-    let observer = StoredValue::new_local(seen);
+    let there = Memo::new(move |_| there(sight.get(), views.get(), workbench.chosen.get()));
     view! {
         <div
             class="strip panel"
@@ -33,22 +50,42 @@ pub(crate) fn Strip() -> impl IntoView {
             aria-orientation="horizontal"
             data-testid="strip"
             node_ref=strip
+            on:scroll=move |_| look()
             on:keydown=move |event| keys(workbench, &event)
         >
-            <For each=move || 0..views() key=|view| *view let:view>
-                <Thumb view observer />
-            </For>
+            <div
+                class="strip-whole"
+                role="presentation"
+                style:width=move || format!("{}px", PITCH * views.get() as i32)
+            >
+                <For each=move || there.get() key=|view| *view let:view>
+                    <Thumb view views />
+                </For>
+            </div>
         </div>
     }
 }
 
+/// The thumbnails that are wanted: those in sight, and the one that Tab leads to.
+fn there((left, width): (i32, i32), views: usize, chosen: Option<usize>) -> Vec<usize> {
+    let at = |x: i32| ((x - EDGE).max(0) / PITCH) as usize;
+    let from = at(left).saturating_sub(BEYOND);
+    let to = (at(left + width) + 1 + BEYOND).min(views);
+    let mut there: Vec<usize> = (from..to).collect();
+    let stop = chosen.unwrap_or_default();
+    if stop < views && !there.contains(&stop) {
+        there.push(stop);
+    }
+    there
+}
+
 #[component]
-fn Thumb(view: usize, observer: StoredValue<Option<Seen>, LocalStorage>) -> impl IntoView {
+fn Thumb(view: usize, views: Memo<usize>) -> impl IntoView {
     let workbench = Workbench::get();
     let canvas = NodeRef::<html::Canvas>::new();
     Effect::new(move |_| {
         if let Some(canvas) = canvas.get() {
-            observer.with_value(|seen| seen.iter().for_each(|seen| seen.observer.observe(&canvas)));
+            fetch(workbench, view, canvas);
         }
     });
     let id = move || {
@@ -69,13 +106,16 @@ fn Thumb(view: usize, observer: StoredValue<Option<Seen>, LocalStorage>) -> impl
         <div
             id=thumb_id(view)
             class=move || format!("thumb {}", status().unwrap_or_default())
+            style:left=format!("{}px", PITCH * view as i32)
             role="option"
             aria-selected=move || is_chosen().to_string()
             aria-label=move || format!("View {}", id().unwrap_or_default())
+            aria-posinset=(view + 1).to_string()
+            aria-setsize=move || views.get().to_string()
             tabindex=move || if stop() { "0" } else { "-1" }
             on:click=move |_| workbench.choose(Some(view))
         >
-            <canvas node_ref=canvas data-view=view.to_string() aria-hidden="true"></canvas>
+            <canvas node_ref=canvas aria-hidden="true"></canvas>
             <span class="thumb-name">
                 <span class="dot" aria-hidden="true"></span>
                 {id}
@@ -84,51 +124,42 @@ fn Thumb(view: usize, observer: StoredValue<Option<Seen>, LocalStorage>) -> impl
     }
 }
 
-/// Watches which thumbnails come into sight.
-struct Seen {
-    observer: IntersectionObserver,
+/// Tells when the strip is wider or narrower than before.
+struct Resizes {
+    observer: ResizeObserver,
     /// Kept as long as the observer may call it.
-    _listener: Listener,
+    _listener: Closure<dyn FnMut()>,
 }
 
-type Listener = Closure<dyn FnMut(js_sys::Array, IntersectionObserver)>;
-
-impl Seen {
-    /// `None` in a browser that cannot watch.
-    fn new(workbench: Workbench) -> Option<Self> {
-        let listener = Listener::new(move |entries: js_sys::Array, me: IntersectionObserver| {
-            for entry in entries.iter() {
-                let entry: IntersectionObserverEntry = entry.unchecked_into();
-                if entry.is_intersecting() {
-                    me.unobserve(&entry.target());
-                    fetch(workbench, entry.target());
-                }
-            }
-        });
-        let observer = IntersectionObserver::new(listener.as_ref().unchecked_ref()).ok()?;
+impl Resizes {
+    /// `None` in a browser that cannot tell.
+    fn new(then: impl FnMut() + 'static) -> Option<Self> {
+        let listener = Closure::<dyn FnMut()>::new(then);
+        let observer = ResizeObserver::new(listener.as_ref().unchecked_ref()).ok()?;
         Some(Self {
             observer,
             _listener: listener,
         })
     }
+
+    fn watch(&self, strip: &Element) {
+        self.observer.observe(strip);
+    }
 }
 
-impl Drop for Seen {
+impl Drop for Resizes {
     fn drop(&mut self) {
         self.observer.disconnect();
     }
 }
 
-fn fetch(workbench: Workbench, canvas: Element) {
-    let view = canvas
-        .get_attribute("data-view")
-        .and_then(|view| view.parse().ok());
-    let Ok(canvas) = canvas.dyn_into::<HtmlCanvasElement>() else {
-        return;
-    };
+/// Fetches what a thumbnail shows, unless it is only scrolled past.
+fn fetch(workbench: Workbench, view: usize, canvas: HtmlCanvasElement) {
+    const PASSING: i32 = 60;
     spawn_local(async move {
+        sleep(PASSING).await;
         // A picture that cannot be read says so where it is looked at.
-        if let Some(view) = view
+        if canvas.is_connected()
             && let Some(Ok(thumbnail)) = workbench.thumbnail(view).await
         {
             paint(&canvas, &thumbnail);
@@ -168,19 +199,21 @@ fn keys(workbench: Workbench, event: &KeyboardEvent) {
     };
     event.prevent_default();
     workbench.choose(Some(to));
-    if let Some(thumb) = thumb_element(to) {
-        let _ = thumb.focus();
-    }
+    // By the next frame the strip shows it.
+    request_animation_frame(move || {
+        if let Some(thumb) = thumb_element(to) {
+            let _ = thumb.focus();
+        }
+    });
 }
 
 /// A view that is chosen elsewhere comes into sight here.
 fn keep_chosen_in_sight(workbench: Workbench, strip: NodeRef<html::Div>) {
     Effect::new(move |_| {
-        let chosen = workbench.chosen.get().and_then(thumb_element);
-        let (Some(strip), Some(thumb)) = (strip.get(), chosen) else {
+        let (Some(strip), Some(chosen)) = (strip.get(), workbench.chosen.get()) else {
             return;
         };
-        let (left, width) = (thumb.offset_left(), thumb.offset_width());
+        let (left, width) = (EDGE + PITCH * chosen as i32, PITCH);
         let hidden =
             left < strip.scroll_left() || left + width > strip.scroll_left() + strip.client_width();
         if hidden {

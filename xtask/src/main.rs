@@ -56,7 +56,8 @@ cargo xtask COMMAND
   dist                                     the page as static files in dist/, for any folder of any host
   viewer                                   the viewer of one-file pages, in target/viewer/viewer.html
   npm                                      the core as an npm package in target/npm/snellius
-  bench [-- ARGUMENTS]                     the core's benchmarks
+  bench [SCAN.zip]...                      the core's benchmarks
+  bench --large [SIZE]                     the page with an archive of 4.4 GB: memory, main thread, views a second
   setup                                    only install what the others need
   help                                     this text
 
@@ -99,7 +100,7 @@ fn run() -> Result<()> {
             setup::wasm_target()?;
             viewer::build(&tools::wasm_bindgen_program()?)
         }
-        "bench" => bench::run(arguments),
+        "bench" => bench::run(&bench::Options::parse(arguments)?),
         "setup" => {
             no_more(arguments)?;
             setup::everything()

@@ -207,7 +207,7 @@ fn exports(rest: &[OsString]) -> Result<Count> {
 }
 
 /// Builds the companion program, with the viewer beside it.
-fn companion() -> Result<PathBuf> {
+pub(crate) fn companion() -> Result<PathBuf> {
     run_to_end(&mut cargo([
         "build",
         "--package",

@@ -9,6 +9,7 @@ mod export;
 mod files;
 mod index;
 mod reconstruct;
+mod repeat;
 mod schema;
 mod share;
 mod simulate;
@@ -49,6 +50,8 @@ enum Command {
     Table(table::Arguments),
     /// Makes a scan archive of a scene, with the truth beside it
     Simulate(simulate::Arguments),
+    /// Makes a large scan archive of a small one by repeating its views
+    Repeat(repeat::Arguments),
     /// Prints the JSON Schemas of scan.json and result.json
     Schema(schema::Arguments),
 }
@@ -110,6 +113,7 @@ pub fn run() -> ExitCode {
         Command::Index(arguments) => index::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Repeat(arguments) => repeat::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
     };
     match outcome {

@@ -76,7 +76,17 @@ enum ViewFailure {
 /// A bar that names what it counts, the rate and the time left.
 pub(super) fn progress_bar(length: usize, what: &str) -> ProgressBar {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{per_sec}}, {{eta}} left");
+    bar(length as u64, &template)
+}
+
+/// A bar of bytes that are written, likewise.
+pub(super) fn bytes_bar(bytes: u64) -> ProgressBar {
+    const TEMPLATE: &str = "{bar:40} {bytes}/{total_bytes}, {bytes_per_sec}, {eta} left";
+    bar(bytes, TEMPLATE)
+}
+
+fn bar(length: u64, template: &str) -> ProgressBar {
     let style =
-        ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length as u64).with_style(style)
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
 }

@@ -15,7 +15,7 @@
 //! the ray distance nor the continuity of the surface can tell, nothing is.
 
 use super::choice::{Choice, ObjectSettings, beam, examine};
-use super::neighbours::{Forecasts, Misfit, Place, usual_curvature};
+use super::neighbours::{Forecasts, Misfit, Place, around, usual_curvature};
 use super::{Meeting, Noise, Setup};
 use crate::geometry::{Ray, World};
 use crate::rig::Laser;
@@ -79,13 +79,25 @@ type Both = [Reading; 2];
 
 struct Search {
     readings: Vec<Option<Both>>,
-    /// Sets of views that may have been taken for the wrong medium together.
-    sets: Vec<Vec<usize>>,
-    /// Those of the sets that follow one another, so that a part may be wrong.
+    /// Sets of views that follow one another, and may have been taken for the wrong medium together, or in
+    /// part.
     rows: Vec<Vec<usize>>,
+    /// The views that each view's neighbours are among,
+    around: Vec<Vec<usize>>,
+    /// and those that each may be a neighbour of.
+    beside: Vec<Vec<usize>>,
     curvature: f64,
     /// The part of the ray distance's standard deviation that is not noise, mm.
     common: f64,
+}
+
+/// Some views in the other medium.
+#[derive(Clone)]
+struct Trial {
+    /// Which.
+    flipped: Vec<bool>,
+    /// How each view agrees with its neighbours then.
+    agreement: Vec<f64>,
 }
 
 impl Search {
@@ -107,100 +119,175 @@ impl Search {
             let off: Vec<f64> = gaps.iter().map(|gap| gap - middle).collect();
             robust_scale(&off)
         };
-        let rows = rows(setup.stations);
+        let around = around_each(&readings);
         let mut search = Self {
-            sets: sets(&rows),
-            rows,
+            rows: rows(setup.stations),
+            beside: turned_round(&around),
+            around,
             curvature: 0.0,
             common: scale(0).min(scale(1)),
             readings,
         };
-        let as_said = vec![false; setup.stations.len()];
-        let places = search.places(&as_said);
-        search.curvature = usual_curvature(&search.forecasts(&as_said, &places), &places);
+        search.curvature = search.usual_curvature();
         Some(search)
     }
 
     /// Flips the set that gains most, again and again.
     fn best(&self) -> Vec<bool> {
         const ROUNDS: usize = 8;
-        let mut flipped = vec![false; self.readings.len()];
-        let mut before = self.favours(&flipped);
+        let mut now = self.as_said();
         for _ in 0..ROUNDS {
-            let tried = self.tries(&flipped, &before).into_iter();
-            let best = tried.max_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)));
-            let Some((next, after)) = best else {
-                break;
-            };
-            if !is_significant(&flipped, &next, sum(&after) - sum(&before)) {
+            let next = self.best_flip(&now);
+            let gain = sum(&self.favours(&next)) - sum(&self.favours(&now));
+            if !is_significant(&now.flipped, &next.flipped, gain) {
                 break;
             }
-            (flipped, before) = (next, after);
+            now = next;
         }
-        flipped
+        now.flipped
     }
 
-    /// Every set flipped, and of every row the beginning and the end that gain most.
-    fn tries(&self, flipped: &[bool], before: &[f64]) -> Vec<(Vec<bool>, Vec<f64>)> {
-        let flip = |views: &[usize]| {
-            let mut next = flipped.to_vec();
-            views.iter().for_each(|view| next[*view] = !next[*view]);
-            let favours = self.favours(&next);
-            (next, favours)
+    /// Of every set of views in turn the one that fits best when it is flipped: each row, the first few rows
+    /// and the last few, all views, and of every row the beginning and the end that gain most.
+    fn best_flip(&self, now: &Trial) -> Trial {
+        let before = self.favours(now);
+        let mut best = (f64::NEG_INFINITY, now.clone());
+        let mut consider = |trial: &Trial, favour: f64| {
+            if favour >= best.0 {
+                best = (favour, trial.clone());
+            }
         };
-        let mut tries: Vec<_> = self.sets.iter().map(|set| flip(set)).collect();
+        let mut parts = Vec::new();
         for row in &self.rows {
-            let (_, whole) = flip(row);
-            let gains: Vec<f64> = row
-                .iter()
-                .map(|view| whole[*view] - before[*view])
-                .collect();
-            let (start, end) = (best_start(&gains), gains.len() - best_end(&gains));
-            let parts = [&row[..start], &row[end..]];
-            let cut = |part: &&[usize]| !part.is_empty() && part.len() < row.len();
-            tries.extend(parts.into_iter().filter(cut).map(flip));
+            let whole = self.flip(now, row);
+            let favours = self.favours(&whole);
+            consider(&whole, sum(&favours));
+            let gains = row.iter().map(|view| favours[*view] - before[*view]);
+            parts.extend(gaining_parts(row, &gains.collect::<Vec<f64>>()));
         }
-        tries
+        let mut consider = |trial: &Trial| consider(trial, sum(&self.favours(trial)));
+        self.each_run_of_rows(now, &mut consider);
+        for part in parts {
+            consider(&self.flip(now, part));
+        }
+        best.1
+    }
+
+    /// Flips the first few rows and the last few, ever more of them, and at last all.
+    fn each_run_of_rows(&self, now: &Trial, mut then: impl FnMut(&Trial)) {
+        let [row, .., last_row] = &self.rows[..] else {
+            return;
+        };
+        let (mut first, mut last) = (self.flip(now, row), self.flip(now, last_row));
+        let count = self.rows.len();
+        for cut in 2..count {
+            first = self.flip(&first, &self.rows[cut - 1]);
+            last = self.flip(&last, &self.rows[count - cut]);
+            then(&first);
+            then(&last);
+        }
+        then(&self.flip(&first, last_row));
+    }
+
+    fn as_said(&self) -> Trial {
+        let flipped = vec![false; self.readings.len()];
+        let views = 0..flipped.len();
+        Trial {
+            agreement: views.map(|view| self.agreement(view, &flipped)).collect(),
+            flipped,
+        }
+    }
+
+    /// Flips some views more. Only those beside them agree otherwise with their neighbours then.
+    fn flip(&self, trial: &Trial, views: &[usize]) -> Trial {
+        let mut next = trial.clone();
+        let mut changed = vec![false; self.readings.len()];
+        for view in views {
+            next.flipped[*view] = !next.flipped[*view];
+            changed[*view] = true;
+            self.beside[*view].iter().for_each(|v| changed[*v] = true);
+        }
+        let changed = (0..changed.len()).filter(|view| changed[*view]);
+        for view in changed {
+            next.agreement[view] = self.agreement(view, &next.flipped);
+        }
+        next
     }
 
     fn reading(&self, view: usize, flipped: &[bool]) -> Option<&Reading> {
         Some(&self.readings[view].as_ref()?[usize::from(flipped[view])])
     }
 
-    fn places(&self, flipped: &[bool]) -> Vec<Option<Place>> {
-        let place = |view| Some(self.reading(view, flipped)?.place);
-        (0..self.readings.len()).map(place).collect()
+    fn forecasts(&self, view: usize, flipped: &[bool]) -> Option<Forecasts> {
+        let around = self.around[view].iter();
+        let places = around.filter_map(|other| Some(self.reading(*other, flipped)?.place));
+        Some(Forecasts::of(&self.reading(view, flipped)?.beam, places))
     }
 
-    fn forecasts(&self, flipped: &[bool], places: &[Option<Place>]) -> Vec<Option<Forecasts>> {
-        let of_view = |view| {
-            Some(Forecasts::of(
-                view,
-                &self.reading(view, flipped)?.beam,
-                places,
-            ))
+    fn usual_curvature(&self) -> f64 {
+        let flipped = vec![false; self.readings.len()];
+        let views = 0..flipped.len();
+        let forecasts: Vec<_> = views.map(|view| self.forecasts(view, &flipped)).collect();
+        let places = self.readings.iter();
+        let places: Vec<_> = places.map(|both| Some((*both)?[0].place)).collect();
+        usual_curvature(&forecasts, &places)
+    }
+
+    /// How a view agrees with its neighbours, with the views that are flipped in the other medium.
+    fn agreement(&self, view: usize, flipped: &[bool]) -> f64 {
+        let reading = self.reading(view, flipped);
+        let Some((reading, forecasts)) = reading.zip(self.forecasts(view, flipped)) else {
+            return 0.0;
         };
-        (0..self.readings.len()).map(of_view).collect()
+        let misfits = forecasts.hold(&reading.place, self.curvature);
+        misfits.iter().map(Misfit::agreement).sum()
     }
 
     /// How well each view fits, with the views that are flipped in the other medium.
-    fn favours(&self, flipped: &[bool]) -> Vec<f64> {
-        let places = self.places(flipped);
-        let forecasts = self.forecasts(flipped, &places);
-        let all = (0..self.readings.len()).filter_map(|view| self.reading(view, flipped));
-        let middle = median(all.map(|reading| reading.gap).collect());
-        let favour = |(view, forecasts): (usize, &Option<Forecasts>)| {
-            let reading = self.reading(view, flipped)?;
+    fn favours(&self, trial: &Trial) -> Vec<f64> {
+        let views = 0..self.readings.len();
+        let reading = |view| self.reading(view, &trial.flipped);
+        let gaps = views.clone().filter_map(|view| Some(reading(view)?.gap));
+        let middle = median(gaps.collect());
+        let favour = |view: usize| {
+            let reading = reading(view)?;
             let variance = reading.gap_noise * reading.gap_noise + self.common * self.common;
             let gap = reading.gap - middle;
             let square = (gap * gap / variance).min(LOUDEST * LOUDEST);
-            let misfits = forecasts.as_ref()?.hold(&reading.place, self.curvature);
-            let agreement: f64 = misfits.iter().map(Misfit::agreement).sum();
-            Some(agreement - 0.5 * square)
+            Some(trial.agreement[view] - 0.5 * square)
         };
-        let views = forecasts.iter().enumerate();
         views.map(|view| favour(view).unwrap_or(0.0)).collect()
     }
+}
+
+/// The views that each view's neighbours are among.
+fn around_each(readings: &[Option<Both>]) -> Vec<Vec<usize>> {
+    let places: Vec<_> = readings
+        .iter()
+        .map(|both| Some((*both)?[0].place))
+        .collect();
+    let views = readings.iter().enumerate();
+    let around = |(view, both): (usize, &Option<Both>)| {
+        let [as_said, _] = both.as_ref()?;
+        Some(around(view, &as_said.beam, &places))
+    };
+    views.map(|view| around(view).unwrap_or_default()).collect()
+}
+
+/// For each view those in whose lists it is.
+fn turned_round(lists: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let mut turned = vec![Vec::new(); lists.len()];
+    for (view, list) in lists.iter().enumerate() {
+        list.iter().for_each(|other| turned[*other].push(view));
+    }
+    turned
+}
+
+/// The beginning and the end of a row that gain most by being flipped, where these are not all of it.
+fn gaining_parts<'a>(row: &'a [usize], gains: &[f64]) -> impl Iterator<Item = &'a [usize]> {
+    let (start, end) = (best_start(gains), gains.len() - best_end(gains));
+    let parts = [&row[..start], &row[end..]].into_iter();
+    parts.filter(|part| !part.is_empty() && part.len() < row.len())
 }
 
 fn sum(values: &[f64]) -> f64 {
@@ -250,19 +337,6 @@ fn rows(stations: &[Station]) -> Vec<Vec<usize>> {
         rows.extend(views.chunk_by(same).map(<[usize]>::to_vec));
     }
     rows
-}
-
-/// Each row, the first few rows and the last few, and all views.
-fn sets(rows: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let mut sets = rows.to_vec();
-    for cut in 2..rows.len() {
-        sets.push(rows[..cut].concat());
-        sets.push(rows[rows.len() - cut..].concat());
-    }
-    if rows.len() > 1 {
-        sets.push(rows.concat());
-    }
-    sets
 }
 
 /// The view's point in both media: that of the spot that was chosen, or else of the one with the least ray

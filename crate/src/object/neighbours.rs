@@ -112,6 +112,8 @@ struct Forecast {
 #[derive(Clone, Copy, Debug)]
 struct Beside {
     across: Vector3<f64>,
+    /// How far across, squared.
+    square: f64,
     depth: f64,
     sigma: f64,
 }
@@ -123,16 +125,9 @@ pub(super) struct Forecasts {
 }
 
 impl Forecasts {
-    /// Asks the neighbours of `view`: on every side the views whose places lie nearest to its beam.
-    pub(super) fn of(view: usize, beam: &Ray<World>, places: &[Option<Place>]) -> Self {
-        let others = places
-            .iter()
-            .enumerate()
-            .filter(|(other, _)| *other != view);
-        let mut beside: Vec<Beside> = others
-            .filter_map(|(_, place)| Some(seen_along(beam, (*place)?)))
-            .collect();
-        beside.sort_by(|a, b| a.across.norm_squared().total_cmp(&b.across.norm_squared()));
+    /// Asks the neighbours: on every side those of `others` that lie nearest to the beam.
+    pub(super) fn of(beam: &Ray<World>, others: impl Iterator<Item = Place>) -> Self {
+        let beside: Vec<Beside> = others.map(|place| seen_along(beam, place)).collect();
         Self {
             beam: *beam,
             axes: axes(beam, &beside).map(|beside| forecasts(&beside)),
@@ -158,27 +153,65 @@ impl Forecasts {
     }
 }
 
-/// Sorts neighbours, the nearest first, by the axis across the beam on which they lie: that of the nearest
-/// one, the one at right angles to it, and those between. On each side of an axis the nearest few count.
+/// The views whose places lie around a beam, from which neighbours are taken in whatever medium they turn
+/// out to be: all, or in a large scan on every side the nearest of them.
+pub(super) fn around(view: usize, beam: &Ray<World>, places: &[Option<Place>]) -> Vec<usize> {
+    /// Four times as many as are asked, for the places move when the medium changes.
+    const EACH: usize = 4 * EACH_SIDE;
+    let (views, beside): (Vec<usize>, Vec<Beside>) = places
+        .iter()
+        .enumerate()
+        .filter(|(other, _)| *other != view)
+        .filter_map(|(other, place)| Some((other, seen_along(beam, (*place)?))))
+        .unzip();
+    if views.len() <= EACH * SIDES {
+        return views;
+    }
+    let mut around: Vec<usize> = sides(beam, &beside, EACH).concat();
+    around.sort_unstable();
+    around.into_iter().map(|index| views[index]).collect()
+}
+
+const SIDES: usize = 2 * AXES;
+
+/// Sorts neighbours by the axis across the beam on which they lie: that of the nearest one, the one at
+/// right angles to it, and those between. On each side of an axis the nearest few count.
 fn axes(beam: &Ray<World>, beside: &[Beside]) -> [Vec<Beside>; AXES] {
-    const SIDES: usize = 2 * AXES;
-    let mut sides: [Vec<Beside>; SIDES] = Default::default();
-    let Some(nearest) = beside.first() else {
-        return Default::default();
+    let sides = sides(beam, beside, EACH_SIDE);
+    let of_side = |side: usize| sides[side].iter().map(|index| beside[*index]);
+    std::array::from_fn(|axis| of_side(axis).chain(of_side(axis + AXES)).collect())
+}
+
+/// On every side of the beam the nearest `each` neighbours, by their index, the nearest first.
+///
+/// One pass, as this is done for every view of what may be thousands: once every side has its fill, of most
+/// neighbours not more is looked at than how far away they are.
+fn sides(beam: &Ray<World>, beside: &[Beside], each: usize) -> [Vec<usize>; SIDES] {
+    let mut sides: [Vec<usize>; SIDES] = Default::default();
+    let by_distance = |a: &&Beside, b: &&Beside| a.square.total_cmp(&b.square);
+    let Some(nearest) = beside.iter().min_by(by_distance) else {
+        return sides;
     };
     let upwards = beam.direction.vector().cross(&nearest.across);
-    for neighbour in beside {
+    let mut too_far = f64::INFINITY;
+    for (index, neighbour) in beside.iter().enumerate() {
+        if neighbour.square >= too_far {
+            continue;
+        }
         let (x, y) = (
             neighbour.across.dot(&nearest.across) * nearest.across.norm(),
             neighbour.across.dot(&upwards),
         );
         let turn = libm::atan2(y, x) / std::f64::consts::TAU * SIDES as f64;
-        let side = libm::round(turn + SIDES as f64) as usize % SIDES;
-        if sides[side].len() < EACH_SIDE {
-            sides[side].push(*neighbour);
-        }
+        let side = &mut sides[libm::round(turn + SIDES as f64) as usize % SIDES];
+        let nearer = |other: &usize| beside[*other].square <= neighbour.square;
+        side.insert(side.partition_point(nearer), index);
+        side.truncate(each);
+        let last = |side: &Vec<usize>| side.get(each - 1).map(|last| beside[*last].square);
+        let lasts = sides.iter().map(|side| last(side).unwrap_or(f64::INFINITY));
+        too_far = lasts.fold(0.0, f64::max);
     }
-    std::array::from_fn(|axis| [&sides[axis][..], &sides[axis + AXES][..]].concat())
+    sides
 }
 
 /// What the misfits along several axes say together: either every axis speaks for itself, or the place is at
@@ -221,8 +254,10 @@ pub(super) fn usual_curvature(forecasts: &[Option<Forecasts>], places: &[Option<
 fn seen_along(beam: &Ray<World>, place: Place) -> Beside {
     let from = place.point - beam.origin;
     let depth = from.dot(&beam.direction.vector());
+    let across = from - beam.direction.vector() * depth;
     Beside {
-        across: from - beam.direction.vector() * depth,
+        across,
+        square: across.norm_squared(),
         depth,
         sigma: place.sigma,
     }

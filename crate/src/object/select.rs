@@ -188,7 +188,10 @@ fn round(
     let forecasts: Vec<Option<Forecasts>> = beams
         .iter()
         .enumerate()
-        .map(|(view, beam)| Some(Forecasts::of(view, beam.as_ref()?, &places)))
+        .map(|(view, beam)| {
+            let others = places[..view].iter().chain(&places[view + 1..]);
+            Some(Forecasts::of(beam.as_ref()?, others.flatten().copied()))
+        })
         .collect();
     let curvature = usual_curvature(&forecasts, &trusted);
     let usual = Usual::of(chosen.iter().flatten().map(|spot| spot.brightness));

@@ -5,9 +5,12 @@ use crate::robust::median;
 /// distance a vessel usually stands at.
 fn step(a: &Station, b: &Station) -> f64 {
     const LEVER: f64 = 300.0;
-    let (a, b) = (&a.world_from_camera, &b.world_from_camera);
-    let way = (a.translation() - b.translation()).norm();
-    way + LEVER * a.rotation().angle_to(&b.rotation())
+    let rotation = |station: &Station| station.world_from_camera.rotation();
+    way(a, b) + LEVER * rotation(a).angle_to(&rotation(b))
+}
+
+fn way(a: &Station, b: &Station) -> f64 {
+    (a.world_from_camera.translation() - b.world_from_camera.translation()).norm()
 }
 
 /// Sorts stations into sweeps (the paper's "scans": rows of stations along the vessel) and returns each
@@ -17,10 +20,11 @@ fn step(a: &Station, b: &Station) -> f64 {
 /// steps: a station joins the latest sweep whose last station is at most 2.5 usual steps away.
 pub fn sweeps(stations: &[Station]) -> Vec<usize> {
     let farthest = 2.5 * usual_step(stations);
+    let is_near = |a: &Station, b: &Station| way(a, b) <= farthest && step(a, b) <= farthest;
     let mut last_of: Vec<usize> = Vec::new();
     let mut sweep_of = Vec::with_capacity(stations.len());
     for (index, station) in stations.iter().enumerate() {
-        let near = |last: usize| step(&stations[last], station) <= farthest;
+        let near = |last: usize| is_near(&stations[last], station);
         let latest = (0..last_of.len())
             .filter(|sweep| near(last_of[*sweep]))
             .max_by_key(|sweep| last_of[*sweep]);

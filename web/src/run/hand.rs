@@ -13,6 +13,7 @@ use web_sys::{Blob, ErrorEvent, MessageEvent, Url, Worker};
 
 use super::figure::{FigureForm, FigureOf, Figured};
 use super::guest::Guest;
+use super::making::{MakeReply, MakeRequest};
 use super::messages::{
     Answer, PictureSet, Question, READY, Reply, Request, Thumbnail, WrittenSpots,
 };
@@ -207,6 +208,14 @@ impl Hand {
         }
     }
 
+    /// Has it help with making a scan.
+    pub(crate) async fn make(&self, request: MakeRequest) -> Result<MakeReply, Problem> {
+        match self.ask(Request::Make(request)).await? {
+            Reply::Make(reply) => Ok(reply),
+            _ => Err(unexpected()),
+        }
+    }
+
     async fn ask(&self, request: Request) -> Answered {
         let number = self.last_number.get() + 1;
         self.last_number.set(number);
@@ -260,7 +269,7 @@ impl OpenQuestions {
     }
 }
 
-fn unexpected() -> Problem {
+pub(crate) fn unexpected() -> Problem {
     Problem::own("A worker did not answer what it was asked.")
 }
 

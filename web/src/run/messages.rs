@@ -12,6 +12,7 @@ use web_sys::Blob;
 
 use super::figure::{FigureForm, FigureOf, Figured};
 use super::guest::Guest;
+use super::making::{MakeReply, MakeRequest};
 use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
@@ -70,6 +71,8 @@ pub(crate) enum Request {
     Link(Settings),
     /// Write a one-file page of what was measured last with these settings. Answered by `Written`.
     Page(Settings, PageWish),
+    /// Make a scan of pictures. Answered by `Make`.
+    Make(MakeRequest),
 }
 
 /// What a worker answers.
@@ -93,6 +96,7 @@ pub(crate) enum Reply {
     ),
     Received(Box<Guest>),
     Linked(LinkMade),
+    Make(MakeReply),
     /// The input is at fault; the worker goes on.
     Refused(Problem),
     /// The worker is at fault, and is no more.

@@ -1,11 +1,13 @@
 //! Everything that takes time runs in workers: this room starts them, asks them, and answers as one.
 
 mod blob_reader;
+mod columns;
 mod develop;
 mod figure;
 mod guest;
 mod hand;
 mod lab;
+mod making;
 mod mesh;
 mod messages;
 mod packed;
@@ -19,8 +21,9 @@ pub(crate) mod worker;
 
 pub(crate) use figure::{FigureForm, FigureOf, Figured};
 pub(crate) use guest::{About, Guest};
-pub(crate) use hand::Hand;
+pub(crate) use hand::{Hand, unexpected};
 pub(crate) use lab::{Lab, Progress, with_note};
+pub(crate) use making::{Drafted, MakeReply, MakeRequest, PartShown, QuestionShown};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{PictureSet, Thumbnail, WrittenSpots};
 pub(crate) use passing::{LinkMade, PageWish};

@@ -11,6 +11,7 @@ use snellius::optics::Surface;
 use snellius::pipeline::{LightPaths, Reconstruction, Summary, Warning};
 use snellius::scan::{Scan, VesselShape, sweeps};
 
+use super::columns;
 use super::mesh::Mesh;
 use super::packed::{self, Packed};
 
@@ -33,13 +34,14 @@ pub(crate) struct Facts {
     /// How many sweeps there are.
     pub(crate) sweeps: usize,
     /// The stations, in the manifest's order.
+    #[serde(with = "columns::stations")]
     pub(crate) stations: Vec<StationFacts>,
     /// The session that was packed with the scan, as it is written down.
     pub(crate) session: Option<String>,
 }
 
 /// A view, and where it was taken from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StationFacts {
     /// The view's id.
     pub(crate) id: String,
@@ -50,7 +52,7 @@ pub(crate) struct StationFacts {
 }
 
 /// Where the rig stood.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stand {
     /// The camera's centre.
     pub(crate) camera: Place,
@@ -74,6 +76,7 @@ pub(crate) struct Outcome {
     /// The result in a few numbers.
     pub(crate) summary: Summary,
     /// The views, in the manifest's order.
+    #[serde(with = "columns::views")]
     pub(crate) views: Vec<ViewOutcome>,
     /// The object's points, view after view.
     #[serde(with = "packed")]
@@ -162,14 +165,13 @@ pub(crate) enum Face {
 }
 
 /// What a view gave.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ViewOutcome {
     /// What became of it.
     pub(crate) status: Status,
     /// Why it has no object point.
     pub(crate) reason: Option<String>,
     /// Its spots, brightest first.
-    #[serde(with = "packed")]
     pub(crate) spots: Vec<Spot>,
     /// Why spots were refused: the spot, and the reason.
     pub(crate) reasons: Vec<(usize, String)>,

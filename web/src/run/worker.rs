@@ -1,7 +1,6 @@
 //! The worker's side: answers one question after another about the archive it was told to open.
 
 use std::cell::RefCell;
-use std::io::BufReader;
 
 use js_sys::{Array, Uint8Array};
 use snellius::export::{Format, ReconstructionResult};
@@ -15,6 +14,7 @@ use web_sys::{Blob, DedicatedWorkerGlobalScope, MessageEvent};
 use super::blob_reader::BlobReader;
 use super::develop::{develop, thumbnail};
 use super::guest::Guest;
+use super::making::Maker;
 use super::messages::{Answer, Question, READY, Reply, Request};
 use super::passing;
 use super::plan::Plan;
@@ -22,11 +22,7 @@ use super::problem::Problem;
 use super::report::{Facts, Outcome};
 use super::study::Study;
 
-/// How much of the file is read at a time: one request to the browser for a usual picture, and no more
-/// than it may keep.
-const READ_AHEAD: usize = 256 << 10;
-
-type OpenArchive = Archive<BufReader<BlobReader>>;
+type OpenArchive = Archive<BlobReader>;
 
 /// What a worker remembers between questions.
 #[derive(Default)]
@@ -38,6 +34,8 @@ struct Desk {
     passed_on: Option<Document>,
     /// What was said last of the index, and for which plan.
     study: Option<(Plan, Study)>,
+    /// A scan that is being made.
+    maker: Maker,
 }
 
 thread_local! {
@@ -121,13 +119,14 @@ impl Desk {
                 let page = passing::page(wish, self.document(settings)?)?;
                 Ok(Reply::Written(page.as_bytes().into()))
             }
+            Request::Make(request) => self.maker.reply(request).map(Reply::Make),
         }
     }
 
     fn open(&mut self, file: Blob) -> Result<Reply, Problem> {
         let reader = BlobReader::new(file)
             .map_err(|e| Problem::own(format!("The browser gives no file reader: {e:?}")))?;
-        let mut archive = Archive::open(BufReader::with_capacity(READ_AHEAD, reader))?;
+        let mut archive = Archive::open(reader)?;
         let mut facts = Facts::of(archive.scan());
         facts.session = archive.session();
         self.archive = Some(archive);

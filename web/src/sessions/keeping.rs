@@ -96,8 +96,8 @@ impl Keeping {
             None => Session::begin().await?,
         };
         session.write(&self.record()).await?;
-        if is_new {
-            // A large one takes its time; what is measured meanwhile is kept all the same.
+        if is_new && !self.record().is_too_large() {
+            // It takes its time; what is measured meanwhile is kept all the same.
             spawn_local(keep_archive(session.id().to_owned(), file));
         }
         let mut written = self.record();

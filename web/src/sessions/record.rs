@@ -21,6 +21,9 @@ pub(crate) struct Record {
     pub(crate) name: String,
     /// The name of the archive.
     pub(crate) file_name: String,
+    /// The archive's size, by which it is known again.
+    #[serde(default)]
+    pub(crate) archive_bytes: Option<f64>,
     /// When it was begun and changed last, ms since 1970.
     pub(crate) begun: f64,
     pub(crate) changed: f64,
@@ -49,13 +52,14 @@ pub(crate) enum HowFar {
 }
 
 impl Record {
-    /// A session that begins.
-    pub(crate) fn new(name: &str) -> Self {
+    /// A session that begins, with an archive of that name and size.
+    pub(crate) fn new(name: &str, bytes: f64) -> Self {
         let now = js_sys::Date::now();
         Self {
             version: VERSION,
             name: name.trim_end_matches(".zip").to_owned(),
             file_name: name.to_owned(),
+            archive_bytes: Some(bytes),
             begun: now,
             changed: now,
             progress: HowFar::Looking { done: 0, views: 0 },
@@ -65,6 +69,19 @@ impl Record {
             deleted: false,
             picture: None,
         }
+    }
+
+    /// Whether its archive is so large that no copy is kept: writing one takes minutes, and as much of the
+    /// disk again.
+    pub(crate) fn is_too_large(&self) -> bool {
+        const LARGE: f64 = 1e9;
+        self.archive_bytes.is_some_and(|bytes| bytes > LARGE)
+    }
+
+    /// Whether that may be its archive, which was chosen again.
+    pub(crate) fn is_of(&self, archive: &Blob) -> bool {
+        self.archive_bytes
+            .is_none_or(|bytes| bytes == archive.size())
     }
 
     /// As it is written down.

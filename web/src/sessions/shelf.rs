@@ -5,7 +5,7 @@ use leptos::prelude::*;
 use leptos::{ev, html};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
-use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
+use web_sys::{Blob, CanvasRenderingContext2d, File, HtmlCanvasElement, ImageData};
 
 use super::record::{HowFar, Record};
 use super::session::{self, Session};
@@ -61,6 +61,7 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
     let workbench = Workbench::get();
     let id = StoredValue::new(id);
     let renaming = RwSignal::new(false);
+    let archive_again = NodeRef::<html::Input>::new();
     let is_deleted = Memo::new(move |_| record.with(|record| record.deleted));
     let delete = move |deleted| {
         change(workbench, id.get_value(), record, move |record| {
@@ -80,7 +81,7 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
             view! { <Rename id=id.get_value() record renaming /> }.into_any()
         } else {
             view! {
-                <button type="button" class="kept-open" data-testid="go-on" on:click=move |_| go_on(workbench, id.get_value())>
+                <button type="button" class="kept-open" data-testid="go-on" on:click=move |_| go_on(workbench, id.get_value(), archive_again)>
                     <Picture id=id.get_value() record />
                     <span class="kept-name">{move || record.get().name}</span>
                     <span class="kept-facts">{move || facts(&record.get())}</span>
@@ -98,7 +99,24 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
             .into_any()
         }
     };
-    view! { <div class="kept">{body}</div> }
+    let chosen_again = move |_| {
+        let file = archive_again.get().and_then(|input| input.files()?.get(0));
+        if let Some(file) = file {
+            go_on_with(workbench, id.get_value(), file);
+        }
+    };
+    view! {
+        <div class="kept">{body}</div>
+        <input
+            node_ref=archive_again
+            type="file"
+            accept=".zip,application/zip"
+            data-testid="archive-again"
+            aria-label="The session's archive"
+            hidden
+            on:change=chosen_again
+        />
+    }
 }
 
 #[component]
@@ -181,8 +199,12 @@ fn facts(record: &Record) -> String {
         HowFar::Measured { points, views } => format!("{points} points from {views} views"),
         HowFar::Stopped { views } => format!("{views} views, no points yet"),
     };
+    let archive = match record.is_too_large() {
+        true => ", its archive is too large to be kept and will be asked for",
+        false => "",
+    };
     let day = Date::new(&record.changed.into()).to_locale_string("default", &JsValue::UNDEFINED);
-    format!("{how_far}, {}", String::from(day))
+    format!("{how_far}, {}{archive}", String::from(day))
 }
 
 fn change(
@@ -204,13 +226,40 @@ fn change(
     });
 }
 
-fn go_on(workbench: Workbench, id: String) {
+/// Goes on with a session; if no copy of its archive was kept, with what is chosen now.
+fn go_on(workbench: Workbench, id: String, archive_again: NodeRef<html::Input>) {
     spawn_local(async move {
         match kept(&id).await {
-            Ok((session, record, archive)) => {
+            Ok((session, record, Some(archive))) => {
                 let found = session.found().await;
                 workbench.go_on(archive, record, found, Some(session));
             }
+            Ok((_, _, None)) => {
+                if let Some(input) = archive_again.get_untracked() {
+                    input.click();
+                }
+            }
+            Err(problem) => workbench.fail(problem),
+        }
+    });
+}
+
+/// Goes on with a session and its archive, which was chosen again.
+fn go_on_with(workbench: Workbench, id: String, archive: File) {
+    spawn_local(async move {
+        match kept(&id).await {
+            Ok((session, record, _)) if record.is_of(&archive) => {
+                let found = session.found().await;
+                workbench.go_on(archive.into(), record, found, Some(session));
+            }
+            Ok((_, record, _)) => workbench.fail(Problem::input(
+                format!(
+                    "\u{201c}{}\u{201d} is another file than the session's \u{201c}{}\u{201d}: it is larger or smaller.",
+                    archive.name(),
+                    record.file_name
+                ),
+                "Choose the file that the session was begun with, or open this one as a new scan.",
+            )),
             Err(problem) => workbench.fail(problem),
         }
     });
@@ -226,14 +275,23 @@ fn save(workbench: Workbench, id: String) {
 
 async fn try_to_save(id: &str) -> Result<(), Problem> {
     let (_, record, archive) = kept(id).await?;
+    let archive = archive.ok_or_else(|| {
+        Problem::input(
+            format!(
+                "The browser keeps no copy of \u{201c}{}\u{201d}, which the file would hold.",
+                record.file_name
+            ),
+            "Keep the archive itself: the session goes on with it when it is chosen again.",
+        )
+    })?;
     let note = record.to_text().unwrap_or_default();
     let whole = with_note(&archive, note).await?;
     files::save_blob(&whole, &format!("{}.snellius.zip", record.name))
         .map_err(|error| Problem::own(reason(&error)))
 }
 
-/// A session with all that is needed to go on.
-async fn kept(id: &str) -> Result<(Session, Record, Blob), Problem> {
+/// A session with all that is needed to go on; without the archive, if no copy of it was kept.
+async fn kept(id: &str) -> Result<(Session, Record, Option<Blob>), Problem> {
     const AGAIN: &str = "Open the scan's archive again; other sessions are not touched.";
     let session = Session::open(id).await.map_err(|error| {
         Problem::input(
@@ -243,16 +301,8 @@ async fn kept(id: &str) -> Result<(Session, Record, Blob), Problem> {
     })?;
     let record = session.record().await;
     let record = record.ok_or_else(|| Problem::input("The session cannot be read.", AGAIN))?;
-    let archive = session.archive().await.ok_or_else(|| {
-        Problem::input(
-            format!(
-                "The browser had no room to keep \u{201c}{}\u{201d}.",
-                record.file_name
-            ),
-            AGAIN,
-        )
-    })?;
-    Ok((session, record, archive.into()))
+    let archive = session.archive().await.map(Into::into);
+    Ok((session, record, archive))
 }
 
 fn reason(error: &JsValue) -> String {

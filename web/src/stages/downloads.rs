@@ -14,13 +14,15 @@ struct Download {
     what: &'static str,
 }
 
-const DOWNLOADS: [Download; 10] = [
+const DOWNLOADS: [Download; 12] = [
     download(Format::Json, "download-json", "everything"),
     download(Format::Ply, "download-object-ply", "object points"),
     download(Format::VesselPly, "download-vessel-ply", "wall points"),
     download(Format::Csv, "download-csv", "table of views"),
     download(Format::ObjectCsv, "download-object-csv", "table of points"),
     download(Format::Pcd, "download-pcd", "object points"),
+    download(Format::Las, "download-las", "object points"),
+    download(Format::E57, "download-e57", "object points"),
     download(Format::Glb, "download-glb", "3-D scene"),
     download(Format::Stl, "download-stl", "object surface"),
     download(Format::Obj, "download-obj", "object surface"),
@@ -42,9 +44,6 @@ pub(super) fn Downloads() -> impl IntoView {
         <div class="download-buttons" role="group" aria-label="Download">
             {DOWNLOADS.map(button).collect_view()}
         </div>
-        <p class="hint" title="Their writers would make this page a tenth larger">
-            "LAS and E57: save one file, below, and take them from there."
-        </p>
     }
 }
 
