@@ -35,8 +35,8 @@ fn errors(scan: &Scan, spots: &[Spots], truth: &Truth) -> Errors {
 /// of them beforehand (q (1 - q) = 0.16 +- 0.06).
 const INNER_FACE: [f64; 4] = [56.0, 103.0, 153.0, 275.0];
 
-/// The contrast of grains a pixel wide. They put these scenes' centroids off by 0.02 px.
-const SPECKLE: f64 = 0.1;
+/// The contrast of grains a pixel wide.
+const SPECKLE: f64 = 0.18;
 
 /// Over scans that differ in noise, speckle and the inner face's glow: at most `factor` times the error that
 /// the true wall gives, and at least `share` of the points. Gives the share of coordinates within two

@@ -45,6 +45,8 @@ fn describe(key: &str) -> Result<(String, String, u32, String)> {
         "Delete" => Some((46, "")),
         "Home" => Some((36, "")),
         "End" => Some((35, "")),
+        "PageUp" => Some((33, "")),
+        "PageDown" => Some((34, "")),
         "ArrowLeft" => Some((37, "")),
         "ArrowUp" => Some((38, "")),
         "ArrowRight" => Some((39, "")),

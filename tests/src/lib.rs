@@ -9,6 +9,7 @@
 //! | `browser.rs`, `cdp.rs` | one Chromium, and the protocol it is spoken to in |
 //! | `page.rs`, `keys.rs` | mouse, keys, files, downloads, screenshots |
 //! | `journal.rs` | what the page and its workers said and asked for |
+//! | `copies.rs` | scans as large as one likes |
 //! | `picture.rs` | what a screenshot shows |
 //! | `companion.rs` | what the companion program makes of the same scan |
 //! | `workbench.rs` | the page of this project: its elements and states by name |
@@ -20,6 +21,7 @@
 mod browser;
 mod cdp;
 pub mod companion;
+pub mod copies;
 mod journal;
 mod keys;
 mod page;

@@ -78,6 +78,13 @@ impl<'a> Page<'a> {
         self.open(&address)
     }
 
+    /// Has a script run in every page that is loaded from now on, before the page's own.
+    pub fn run_before_all(&self, script: &str) -> Result<()> {
+        let source = json!({ "source": script });
+        self.call("Page.addScriptToEvaluateOnNewDocument", source)
+            .map(drop)
+    }
+
     /// The value of a JavaScript expression, awaited if it is a promise.
     pub fn value_of(&self, expression: &str) -> Result<Value> {
         let parameters =

@@ -52,7 +52,8 @@ impl Workbench<'_> {
     /// Waits for a state; a run that fails does so at once, with what the page says.
     pub fn wait_state(&self, state: &str, patience: Duration) -> Result<()> {
         let reached = format!(
-            "['{state}', 'failed'].includes(document.querySelector('[data-state]')?.dataset.state)"
+            "['{state}', 'failed'].includes(document.querySelector('[data-state]')?.dataset.state)
+                && !document.querySelector('main [aria-busy=true]')"
         );
         self.page
             .wait_long(patience, &format!("state {state}"), &reached)?;
@@ -108,6 +109,37 @@ impl Workbench<'_> {
     /// Clicks a part of the page.
     pub fn click(&self, name: &str) -> Result<()> {
         self.page.click(&part(name))
+    }
+
+    /// Clicks a view's row of the table, which is scrolled until that is made.
+    pub fn click_row(&self, view: &str) -> Result<()> {
+        let row = part(&format!("view-row-{view}"));
+        let found = self.page.value_of(&format!(
+            "(async () => {{
+                const frame = document.querySelector('.table-frame');
+                const found = () => document.querySelector({});
+                const step = frame.clientHeight / 2;
+                for (let to = 0; !found() && to < frame.scrollHeight; to += step) {{
+                    frame.scrollTop = to;
+                    await new Promise(done => requestAnimationFrame(() => setTimeout(done)));
+                }}
+                return !!found();
+            }})()",
+            serde_json::Value::from(row.as_str())
+        ))?;
+        ensure!(found == true, "no row of view {view}");
+        self.page.click(&row)
+    }
+
+    /// How many views the table has, made or not.
+    pub fn row_count(&self) -> Result<usize> {
+        let count = format!(
+            "document.querySelector({:?})?.ariaRowCount",
+            part("views-table")
+        );
+        let count = self.page.value_of(&count)?;
+        let rows: usize = count.as_str().context("no table")?.parse()?;
+        Ok(rows - 1)
     }
 
     /// Clicks one of the download buttons and gives the file.

@@ -1,13 +1,17 @@
 //! Every screen is examined by axe-core: wide and narrow, by day and by night, it finds no fault that is
 //! serious or critical.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use snellius_tests::{
     PATIENCE, Page,
     places::{axe, samples},
+    with_page,
     workbench::{RECONSTRUCTION, Workbench, part, with_workbench},
 };
 
@@ -264,5 +268,87 @@ fn nothing_moves_for_those_who_do_not_wish_it() -> Result<()> {
         let moving: Vec<String> = serde_json::from_value(moving)?;
         ensure!(moving.is_empty(), "these move: {moving:#?}");
         Ok(())
+    })
+}
+
+/// The page that waits for the liquid's index, and the refusal of a file in front of a result.
+#[test]
+fn a_scan_that_wants_its_index_has_no_fault() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let scan = folder.path().join("unknown.zip");
+    without_index(&sample("jar.zip")?, &scan)?;
+    with_workbench("axe-index", |workbench| {
+        let page = workbench.page;
+        workbench.choose(&scan)?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+        page.wait_visible(&part("index-input"))?;
+        clean(&examine(page, "index wanted")?)
+    })
+}
+
+/// A scan whose manifest does not say the liquid's index.
+fn without_index(from: &Path, to: &Path) -> Result<()> {
+    let mut archive = zip::ZipArchive::new(fs::File::open(from)?)?;
+    let mut manifest: Value = serde_json::from_reader(archive.by_name("scan.json")?)?;
+    manifest["media"]["inside"] = Value::Null;
+    let mut changed = zip::ZipWriter::new(fs::File::create(to)?);
+    for index in 0..archive.len() {
+        let entry = archive.by_index_raw(index)?;
+        if entry.name()? != "scan.json" {
+            changed.raw_copy_file(entry)?;
+        }
+    }
+    changed.start_file("scan.json", zip::write::SimpleFileOptions::default())?;
+    serde_json::to_writer(&mut changed, &manifest)?;
+    changed.finish()?;
+    Ok(())
+}
+
+#[test]
+fn the_shelf_of_sessions_has_no_fault() -> Result<()> {
+    with_workbench("axe-shelf", |workbench| {
+        let page = workbench.page;
+        workbench.reconstruct(&sample("jar.zip")?)?;
+        page.click("header button:last-child")?;
+        page.wait_text(&part("sessions"), "points from")?;
+        let mut found = examine(page, "shelf")?;
+        workbench.click("rename")?;
+        page.wait_visible(&part("new-name"))?;
+        found.extend(examine(page, "shelf, renaming")?);
+        page.press("Escape")?;
+        clean(&found)
+    })
+}
+
+#[test]
+fn a_line_with_a_marked_part_has_no_fault() -> Result<()> {
+    with_workbench("axe-line", |workbench| {
+        let page = workbench.page;
+        workbench.reconstruct(&sample("line.zip")?)?;
+        page.tab_to(&part("picture-on-frame"))?;
+        page.press("ArrowRight")?;
+        page.press("Enter")?;
+        page.wait_visible(&part("say-stray"))?;
+        clean(&examine(page, "line, marked")?)
+    })
+}
+
+#[test]
+fn a_page_of_one_file_has_no_fault() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("page.html");
+    with_workbench("axe-one-file-made", |workbench| {
+        workbench.reconstruct(&sample("jar.zip")?)?;
+        let page = workbench.download("download-page")?;
+        Ok(fs::write(&file, page.bytes)?)
+    })?;
+    with_page("axe-one-file", |page| {
+        page.open(&format!("file://{}", file.display()))?;
+        page.wait_long(
+            RECONSTRUCTION,
+            "the page to show something",
+            "document.body.dataset.state === 'done'",
+        )?;
+        clean(&examine(page, "page of one file")?)
     })
 }

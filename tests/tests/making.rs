@@ -363,7 +363,7 @@ fn pictures_and_folders_of_pictures_lead_to_the_form() -> Result<()> {
         // Dropped onto the form, each file finds its place.
         let files = [parts.calibration()?, parts.poses()?];
         let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
-        page.drop_files(&part("making"), &files)?;
+        page.drop_files(&part("part-pictures"), &files)?;
         page.wait_text(&part("part-camera"), "fx 661.5")?;
         page.wait_text(&part("part-poses"), "27 poses")?;
         workbench.click("clear-pictures")?;

@@ -38,7 +38,8 @@ fn result_of(bytes: &[u8]) -> Result<ReconstructionResult> {
 /// Opens an address and waits until the page has settled.
 fn opened<'a>(page: &'a Page<'a>, address: &str) -> Result<Workbench<'a>> {
     page.open(address)?;
-    let settled = "['done', 'failed'].includes(document.documentElement.dataset.state)";
+    let settled = "['done', 'failed'].includes(document.documentElement.dataset.state)
+        && !document.querySelector('main [aria-busy=true]')";
     page.wait_long(RECONSTRUCTION, "the page to settle", settled)?;
     Ok(Workbench { page })
 }
@@ -108,10 +109,7 @@ fn a_link_copied_in_one_browser_opens_in_another_with_the_same_numbers() -> Resu
         let workbench = opened(page, &link)?;
         assert_eq!(workbench.state()?, "done", "{}", workbench.alert());
         page.wait_text(&part("guest-note"), "rounded by at most")?;
-        assert_eq!(
-            page.count("[data-testid^=\"view-row-\"]")?,
-            truth.views.len()
-        );
+        assert_eq!(workbench.row_count()?, truth.views.len());
         let scene = page.settled_picture_of(&part("scene"))?;
         ensure!(scene.distinct_colours() > 5, "the scene shows no points");
         page.screenshot("link-opened")?;
@@ -137,7 +135,7 @@ fn a_link_of_version_1_opens() -> Result<()> {
         let workbench = opened(page, &format!("{}#{}", site.url(), LINK_1.trim()))?;
         assert_eq!(workbench.state()?, "done", "{}", workbench.alert());
         assert_eq!(page.text("h1.scan-name")?, "Two points of a ball");
-        assert_eq!(page.count("[data-testid^=\"view-row-\"]")?, 3);
+        assert_eq!(workbench.row_count()?, 3);
         Ok(())
     })
 }
@@ -418,5 +416,19 @@ fn what_is_too_much_for_a_link_is_offered_as_a_file() -> Result<()> {
             .page
             .wait_text(&part("link-said"), "too much for a link")?;
         workbench.page.wait_visible(&part("download-page"))
+    })
+}
+
+#[test]
+fn a_scan_that_was_opened_since_takes_the_link_out_of_the_address() -> Result<()> {
+    let site = site()?;
+    with_page("link-left", |page| {
+        let workbench = opened(page, &format!("{}#{}", site.url(), LINK_1.trim()))?;
+        let fragment = || page.value_of("location.hash.slice(0, 4)");
+        ensure!(fragment()? == "#r1=", "the link has left the address");
+        workbench.reconstruct(&sample("jar")?)?;
+        ensure!(fragment()? == "", "the link is still in the address");
+        page.reload()?;
+        workbench.wait_state("start", PATIENCE)
     })
 }

@@ -66,7 +66,7 @@ fn plots_have_axes_and_values_and_choose_a_view_everywhere() -> Result<()> {
         )?;
 
         // Another view is chosen in the table: both drawings ring it.
-        workbench.click("view-row-0010")?;
+        workbench.click_row("0010")?;
         page.wait_until(
             "rings around view 0010",
             "document.querySelectorAll('.plot-marks .chosen').length >= 4",
@@ -173,5 +173,37 @@ fn plots_are_read_on_a_telephone_and_in_the_dark() -> Result<()> {
         drawn(page, "figure-birds-eye-view")?;
         page.screenshot("plots-360-dark-birds-eye")?;
         Ok(())
+    })
+}
+
+#[test]
+fn the_angle_of_two_faces_is_drawn_against_the_index() -> Result<()> {
+    with_workbench("plots-angle", |workbench| {
+        workbench.reconstruct(&archive("angle.zip")?)?;
+        let page = workbench.page;
+        workbench.click("plot-index")?;
+        let figure = "[data-testid^=figure-known-shape]";
+        page.wait_long(
+            snellius_tests::workbench::RECONSTRUCTION,
+            "the curve of the angle",
+            &format!("document.querySelector('{figure} svg')"),
+        )?;
+        let words = page.value_of(&format!("document.querySelector('{figure}').textContent"))?;
+        let words = words.as_str().unwrap_or_default();
+        ensure!(
+            words.contains("Angle of two faces against n") && words.contains("\u{b0}"),
+            "the figure says {words:?}"
+        );
+        // The angle falls or rises with n, all the way: Fig. 12.
+        let table =
+            page.download(|| page.click("[data-testid^=save-known-shape][data-testid$=csv]"))?;
+        let table = String::from_utf8(table.bytes)?;
+        let angles: Vec<f64> = table
+            .lines()
+            .skip(1)
+            .filter_map(|line| line.rsplit(',').next()?.parse().ok())
+            .collect();
+        ensure!(angles.len() > 10, "the table says {table:.300}");
+        page.screenshot("plots-angle").map(drop)
     })
 }

@@ -5,9 +5,10 @@ use std::{path::PathBuf, time::Duration};
 
 use anyhow::{Context, Result, ensure};
 use snellius_tests::{
-    PATIENCE, Picture,
+    PATIENCE, Picture, Site,
     companion::Output,
-    places::samples,
+    places::{dist, samples},
+    with_page,
     workbench::{RECONSTRUCTION, Workbench, part, with_workbench, with_workbench_under},
 };
 
@@ -131,11 +132,10 @@ fn every_view_has_its_row_and_its_pictures() -> Result<()> {
     with_workbench("views", |workbench| {
         workbench.reconstruct(&archive)?;
         let page = workbench.page;
-        let rows = page.count("[data-testid^=\"view-row-\"]")?;
-        assert_eq!(rows, views.len());
+        assert_eq!(workbench.row_count()?, views.len());
 
         let id = views[0]["id"].as_str().context("a view without id")?;
-        workbench.click(&format!("view-row-{id}"))?;
+        workbench.click_row(id)?;
         for canvas in ["picture-on", "picture-off", "picture-difference"] {
             let canvas = part(canvas);
             page.wait_visible(&canvas)?;
@@ -295,6 +295,33 @@ fn the_whole_job_can_be_done_from_the_keyboard() -> Result<()> {
         let saved = page.download(|| page.press("Enter"))?;
         let result: serde_json::Value = serde_json::from_slice(&saved.bytes)?;
         assert_eq!(result["format"], "refractive-reconstruction");
+        Ok(())
+    })
+}
+
+#[test]
+fn a_file_that_the_system_hands_over_is_opened() -> Result<()> {
+    let site = Site::at_root(&dist()?)?;
+    with_page("launched", |page| {
+        // As the browser does when the installed page is chosen to open a file.
+        page.run_before_all(
+            "Object.defineProperty(window, 'launchQueue', { value: {
+                setConsumer(consumer) { window.consumer = consumer; },
+            } });",
+        )?;
+        page.open(&site.url())?;
+        let workbench = Workbench { page };
+        workbench.wait_state("start", PATIENCE)?;
+        page.value_of(
+            "(async () => {
+                const archive = await (await fetch('samples/jar.zip')).blob();
+                const getFile = async () => new File([archive], 'handed-over.zip');
+                consumer({ files: [{ kind: 'file', name: 'handed-over.zip', getFile }] });
+            })()",
+        )?;
+        workbench.wait_state("running", PATIENCE)?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+        ensure!(workbench.row_count()? == 27, "another scan is shown");
         Ok(())
     })
 }

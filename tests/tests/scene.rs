@@ -70,9 +70,9 @@ fn a_point(page: &Page) -> Result<((f64, f64), String)> {
 
 /// Chooses some other view in the table.
 fn choose_another(workbench: &Workbench, than: &str) -> Result<()> {
-    let rows = ["view-row-0000", "view-row-0026"];
-    let other = rows.into_iter().find(|row| *row != than);
-    workbench.click(other.context("one of two is another")?)?;
+    let views = ["0000", "0026"];
+    let other = views.into_iter().find(|view| !than.ends_with(view));
+    workbench.click_row(other.context("one of two is another")?)?;
     ensure!(chosen(workbench.page)? != than, "{than} is still chosen");
     Ok(())
 }
@@ -189,6 +189,15 @@ fn a_picture_of_the_scene_is_saved_with_and_without_its_ground() -> Result<()> {
             opaque, all,
             "the picture with its ground lets light through"
         );
+        // The legend stands at the lower left, with both ends of the colours.
+        let pixels = image::load_from_memory(&saved.bytes)?.into_rgb8();
+        let (right, top) = (240, pixels.height().saturating_sub(90));
+        for end in [[68, 1, 84], [253, 231, 37]] {
+            let shown = pixels
+                .enumerate_pixels()
+                .any(|(x, y, pixel)| x < right && y > top && pixel.0 == end);
+            ensure!(shown, "the legend lacks the colour {end:?}");
+        }
         workbench.click("picture-transparent")?;
         let saved = workbench.download("save-picture")?;
         let [all, clear, opaque] = opacity(&saved.bytes)?;
@@ -211,7 +220,7 @@ fn the_radius_of_a_cylinder_is_measured_with_its_plus_and_minus() -> Result<()> 
         page.wait_text(&part("measured"), "six or more points")?;
         // The middle scan of the ball: nine points on a circle, which many cylinders share.
         for view in 9..18 {
-            workbench.click(&format!("view-row-{view:04}"))?;
+            workbench.click_row(&format!("{view:04}"))?;
             page.press("m")?;
         }
         page.wait_text(&part("face-1"), "9 points")?;

@@ -6,6 +6,7 @@ use web_sys::DragEvent;
 
 use crate::files::FILE_INPUT;
 use crate::history::History;
+use crate::launch;
 use crate::making::{self, MakingScreen};
 use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
@@ -39,6 +40,7 @@ fn App() -> impl IntoView {
     accept_drops(workbench);
     shortcuts::listen(workbench);
     share::follow_address(workbench);
+    launch::accept(workbench);
     let screen = Memo::new(move |_| workbench.screen());
     view! {
         <Header />

@@ -15,7 +15,7 @@ pub(crate) enum Scale {
 }
 
 /// A quantity from `low` to `high`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quantity {
     pub(crate) name: &'static str,
     pub(crate) unit: &'static str,
@@ -95,9 +95,11 @@ impl Scale {
 /// beyond nine tenths of them.
 fn usual_most(outcome: &Outcome) -> f32 {
     let mut sizes: Vec<f32> = values(outcome, ColourBy::Residual).map(f32::abs).collect();
-    sizes.sort_by(f32::total_cmp);
-    let ninth = sizes.get(sizes.len() * 9 / 10);
-    1.5 * ninth.copied().unwrap_or_default()
+    let ninth = sizes.len() * 9 / 10;
+    if ninth >= sizes.len() {
+        return 0.0;
+    }
+    1.5 * *sizes.select_nth_unstable_by(ninth, f32::total_cmp).1
 }
 
 /// What a point of the object has of a quantity.

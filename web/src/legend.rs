@@ -35,18 +35,16 @@ pub(crate) fn Legend() -> impl IntoView {
 fn QuantityLegend(shown: Quantity) -> impl IntoView {
     let workbench = Workbench::get();
     let (map, name, unit) = (shown.map, shown.name, shown.unit);
-    let fractions = {
-        let shown = shown.clone();
-        Memo::new(move |_| {
-            let (outcome, by) = (workbench.outcome.get(), workbench.colour_by.get());
-            let values = outcome.iter().flat_map(|outcome| values(outcome, by));
-            values
-                .map(|value| shown.fraction(value).clamp(0.0, 1.0))
-                .collect::<Vec<_>>()
-        })
-    };
+    let fractions = Memo::new(move |_| {
+        let (outcome, by) = (workbench.outcome.get(), workbench.colour_by.get());
+        let values = outcome.iter().flat_map(|outcome| values(outcome, by));
+        values
+            .map(|value| shown.fraction(value).clamp(0.0, 1.0))
+            .collect::<Vec<_>>()
+    });
+    let counts = Memo::new(move |_| fractions.with(|fractions| histogram(fractions)));
     let bars = move || {
-        let counts = fractions.with(|fractions| histogram(fractions));
+        let counts = counts.get();
         let most = counts.iter().copied().max().unwrap_or(1).max(1) as f64;
         let [low, high] = workbench.shown_range.get();
         let bar = |(index, count): (usize, &usize)| {
@@ -74,13 +72,7 @@ fn QuantityLegend(shown: Quantity) -> impl IntoView {
         let (within, all) = fractions.with(within);
         (within < all).then(|| format!("{within} of {all} points"))
     };
-    let digits = if shown.high.abs() < 10.0 { 3 } else { 1 };
-    let value_at = move |fraction: f32| {
-        fixed(
-            f64::from(shown.low + fraction * (shown.high - shown.low)),
-            digits,
-        )
-    };
+    let value_at = move |fraction: f32| value_text(&shown, fraction);
     let handle = move |(end, test_id, says): (usize, &'static str, &'static str)| {
         let slide = move |event| {
             if let Ok(fraction) = event_target_value(&event).parse::<f32>() {
@@ -131,6 +123,13 @@ fn QuantityLegend(shown: Quantity) -> impl IntoView {
             <span>{move || value_at(workbench.shown_range.get()[1])}</span>
         </p>
     }
+}
+
+/// The value at a fraction of a scale, as it is written beside it.
+pub(crate) fn value_text(scale: &Quantity, fraction: f32) -> String {
+    let digits = if scale.high.abs() < 10.0 { 3 } else { 1 };
+    let value = scale.low + fraction * (scale.high - scale.low);
+    fixed(f64::from(value), digits)
 }
 
 /// How many bars a histogram has.

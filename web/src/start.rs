@@ -165,7 +165,10 @@ fn SampleButton(sample: Sample) -> impl IntoView {
             let fetched = files::fetch_blob(&format!("samples/{file}")).await;
             let _ = loading.try_set(false);
             match fetched {
-                Ok(blob) => workbench.open(blob, title),
+                Ok(blob) => {
+                    workbench.comes_by_address(false);
+                    workbench.open(blob, title);
+                }
                 Err(cause) => workbench.fail(Problem::input(
                     format!("The sample \"{title}\" could not be fetched: {cause}."),
                     "Check the connection and click it again.",

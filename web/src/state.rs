@@ -20,6 +20,7 @@ use crate::run::{
     PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
 };
 use crate::sessions::{Found, HowFar, Keeping, Record, Session};
+use crate::share;
 
 /// What the colours in the scene mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +169,8 @@ pub(crate) struct Workbench {
     opening: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
     /// and who keeps what is shown.
     kept: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
+    /// Whether what is being opened stands in the page's address.
+    by_address: StoredValue<bool>,
     /// The worker that has what came without its archive.
     guest_hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     cancel: StoredValue<Option<AbortHandle>>,
@@ -211,6 +214,7 @@ impl Workbench {
             lab: StoredValue::new_local(None),
             opening: StoredValue::new_local(None),
             kept: StoredValue::new_local(None),
+            by_address: StoredValue::new(false),
             guest_hand: StoredValue::new_local(None),
             cancel: StoredValue::new(None),
             measured: StoredValue::new(Plan::default()),
@@ -284,6 +288,11 @@ impl Workbench {
         } else {
             StageState::Done
         }
+    }
+
+    /// Says whether what is opened next stands in the page's address.
+    pub(crate) fn comes_by_address(self, by_address: bool) {
+        self.by_address.set_value(by_address);
     }
 
     /// Measures a file. What is shown stays until the new scan is measured.
@@ -439,6 +448,9 @@ impl Workbench {
         if let Some(kept) = self.kept.try_update_value(Option::take).flatten() {
             kept.leave();
         }
+        if !self.by_address.get_value() {
+            share::forget_address();
+        }
         self.lab.set_value(None);
         self.guest_hand.set_value(None);
         self.guest.set(None);
@@ -580,7 +592,32 @@ impl Workbench {
         let mut plan = self.plan();
         plan.corrections.retain(|said| !is_about(said, view, pixel));
         plan.corrections
-            .extend(role.map(|role| Correction { view, pixel, role }));
+            .extend(role.map(|role| Correction::of_spot(view, pixel, role)));
+        self.follow("spot", plan);
+        self.let_go();
+    }
+
+    /// Says what the points of a line are that lie no farther than `reach` px from a pixel, or (`None`) leaves
+    /// them to the program, and measures again.
+    pub(crate) fn say_within(
+        self,
+        view: usize,
+        pixel: [f64; 2],
+        reach: f64,
+        role: Option<SpotRole>,
+    ) {
+        let mut plan = self.plan();
+        let covered = |said: &Correction| {
+            let [du, dv] = [0, 1].map(|axis| said.pixel[axis] - pixel[axis]);
+            said.view == view && (du * du + dv * dv).sqrt() <= reach
+        };
+        plan.corrections.retain(|said| !covered(said));
+        plan.corrections.extend(role.map(|role| Correction {
+            view,
+            pixel,
+            reach,
+            role,
+        }));
         self.follow("spot", plan);
         self.let_go();
     }

@@ -1,13 +1,16 @@
 //! The table of views: choose one with the mouse or the arrow keys, sort by a click on a heading.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 use std::sync::Arc;
 
+use leptos::html;
 use leptos::prelude::*;
 use snellius::export::Status;
 use wasm_bindgen::JsCast;
-use web_sys::{HtmlElement, KeyboardEvent};
+use web_sys::{Element, HtmlElement, KeyboardEvent};
 
+use crate::in_sight::{Sight, letter};
 use crate::number::fixed;
 use crate::run::{Facts, ObjectPoint, Outcome};
 use crate::state::Workbench;
@@ -48,7 +51,12 @@ struct Order {
     descending: bool,
 }
 
-/// The table of views.
+/// How high a row is, in the page's letters; `result.css` says the same.
+const ROW: f64 = 2.0;
+/// How much of the frame the heading covers, CSS px.
+const HEAD: i32 = 34;
+
+/// The table of views. Only rows in sight are made.
 #[component]
 pub(crate) fn ViewsTable() -> impl IntoView {
     let workbench = Workbench::get();
@@ -62,24 +70,61 @@ pub(crate) fn ViewsTable() -> impl IntoView {
         };
         sorted(&facts, &outcome, order.get())
     });
-    keep_chosen_in_sight(workbench);
+    let count = Memo::new(move |_| rows.with(Vec::len));
+    let sight = Sight::new((ROW * letter()).round() as i32);
+    let made = Memo::new(move |_| sight.parts(count.get()));
+    let stop = Memo::new(move |_| stop(workbench, rows, made.get()));
+    let wanted = StoredValue::new(None::<usize>);
+    keep_chosen_in_sight(workbench, rows, sight);
     view! {
         <section class="views panel" aria-labelledby="views-title">
             <h2 id="views-title">"Views"</h2>
-            <div class="table-frame">
-                <table
-                    role="grid"
-                    data-testid="views-table"
-                    aria-labelledby="views-title"
-                    on:keydown=move |event| move_choice(workbench, &rows.get_untracked(), &event)
+            <div class="table-frame" node_ref=sight.frame on:scroll=move |_| sight.look()>
+                <div
+                    class="table-length"
+                    style:min-height=move || format!("calc({} + {HEAD}px)", sight.length(count.get()))
+                    style:padding-top=move || sight.length(made.get().start)
                 >
-                    <thead>
-                        <tr>{COLUMNS.map(|column| heading(column, order)).collect_view()}</tr>
-                    </thead>
-                    <tbody>{move || body(workbench, rows.get())}</tbody>
-                </table>
+                    <table
+                        role="grid"
+                        data-testid="views-table"
+                        aria-labelledby="views-title"
+                        aria-rowcount=move || (count.get() + 1).to_string()
+                        on:keydown=move |event| {
+                            if let Some(view) = rows.with_untracked(|rows| move_choice(rows, &event)) {
+                                wanted.set_value(Some(view));
+                                workbench.choose(Some(view));
+                                focus(view);
+                            }
+                        }
+                    >
+                        <colgroup>
+                            {COLUMNS
+                                .map(|(column, ..)| view! { <col class=width(column) /> })
+                                .collect_view()}
+                        </colgroup>
+                        <thead>
+                            <tr aria-rowindex="1">
+                                {COLUMNS.map(|column| heading(column, order)).collect_view()}
+                            </tr>
+                        </thead>
+                        <tbody>
+                            <For each=move || shown(workbench, rows, made.get()) key=Shown::key let:row>
+                                <Row row stop wanted />
+                            </For>
+                        </tbody>
+                    </table>
+                </div>
             </div>
         </section>
+    }
+}
+
+const fn width(column: Column) -> &'static str {
+    match column {
+        Column::View => "wide",
+        Column::Status => "rest",
+        _ => "number",
     }
 }
 
@@ -113,37 +158,82 @@ fn heading(
 const fn is_number(column: Column) -> bool {
     matches!(
         column,
-        Column::Object(_) | Column::Sigma | Column::RayDistance
+        Column::Sweep | Column::Object(_) | Column::Sigma | Column::RayDistance
     )
 }
 
-fn body(workbench: Workbench, rows: Vec<usize>) -> impl IntoView {
-    // The numbers may change and the order stay the same, so the rows follow the outcome themselves.
-    let Some((facts, outcome)) = workbench.facts.get().zip(workbench.outcome.get()) else {
-        return ().into_any();
-    };
-    let first = rows.first().copied();
-    rows.into_iter()
-        .map(|view| row(workbench, &facts, &outcome, view, first))
-        .collect_view()
-        .into_any()
+/// A row in sight.
+#[derive(Clone)]
+struct Shown {
+    /// Which row it is.
+    position: usize,
+    view: usize,
+    facts: Arc<Facts>,
+    outcome: Arc<Outcome>,
 }
 
-fn row(
-    workbench: Workbench,
-    facts: &Arc<Facts>,
-    outcome: &Arc<Outcome>,
-    view: usize,
-    first: Option<usize>,
-) -> impl IntoView + use<> {
+impl Shown {
+    /// What it shows is the same as long as this is.
+    fn key(&self) -> (usize, usize, *const Outcome) {
+        (self.position, self.view, Arc::as_ptr(&self.outcome))
+    }
+}
+
+fn shown(workbench: Workbench, rows: Memo<Vec<usize>>, made: Range<usize>) -> Vec<Shown> {
+    let Some((facts, outcome)) = workbench.facts.get().zip(workbench.outcome.get()) else {
+        return Vec::new();
+    };
+    let row = |position: usize, view: usize| Shown {
+        position,
+        view,
+        facts: Arc::clone(&facts),
+        outcome: Arc::clone(&outcome),
+    };
+    rows.with(|rows| {
+        let made = made.filter_map(|position| Some(row(position, *rows.get(position)?)));
+        made.filter(|row| row.view < row.facts.stations.len())
+            .collect()
+    })
+}
+
+/// Tab stops at the chosen view's row, or at the first that there is.
+fn stop(workbench: Workbench, rows: Memo<Vec<usize>>, made: Range<usize>) -> Option<usize> {
+    let chosen = workbench.chosen.get();
+    rows.with(|rows| {
+        let made = rows.get(made)?;
+        chosen
+            .filter(|chosen| made.contains(chosen))
+            .or_else(|| made.first().copied())
+    })
+}
+
+#[component]
+fn Row(
+    row: Shown,
+    /// The view whose row Tab stops at.
+    stop: Memo<Option<usize>>,
+    /// The row of this view takes the focus when it is made.
+    wanted: StoredValue<Option<usize>>,
+) -> impl IntoView {
+    let workbench = Workbench::get();
+    let Shown {
+        position,
+        view,
+        facts,
+        outcome,
+    } = row;
     let measured = &outcome.views[view];
     let id = &facts.stations[view].id;
     let is_chosen = move || workbench.chosen.get() == Some(view);
-    // Tab stops at the chosen row, or at the first.
-    let stop = move || match workbench.chosen.get() {
-        Some(chosen) => chosen == view,
-        None => first == Some(view),
-    };
+    let element = NodeRef::<html::Tr>::new();
+    Effect::new(move |_| {
+        if let Some(element) = element.get()
+            && wanted.get_value() == Some(view)
+        {
+            wanted.set_value(None);
+            let _ = element.focus();
+        }
+    });
     let point = outcome.point_of(view);
     let object = |axis: usize| point.map(|point| fixed(point.place[axis].into(), 2));
     let cell = |text: Option<String>| view! { <td class="number">{text}</td> };
@@ -151,15 +241,18 @@ fn row(
     let count = measured.points.len();
     view! {
         <tr
+            node_ref=element
             id=row_id(view)
             data-testid=format!("view-row-{}", id)
+            data-position=position.to_string()
             class=class
+            aria-rowindex=(position + 2).to_string()
             aria-selected=move || is_chosen().to_string()
-            tabindex=move || if stop() { "0" } else { "-1" }
+            tabindex=move || if stop.get() == Some(view) { "0" } else { "-1" }
             on:click=move |_| workbench.choose(Some(view))
         >
             <th scope="row">{id.clone()}</th>
-            <td>{facts.stations[view].sweep + 1}</td>
+            <td class="number">{facts.stations[view].sweep + 1}</td>
             <td class="state" title=measured.reason.clone()>
                 <span class="dot" aria-hidden="true"></span>
                 {word}
@@ -221,22 +314,12 @@ fn numbers(one: Option<f32>, other: Option<f32>, order: Order) -> Ordering {
     }
 }
 
-/// Up, down, page up, page down, Home and End.
-fn move_choice(workbench: Workbench, rows: &[usize], event: &KeyboardEvent) {
+/// The view of the row that Up, Down, Page Up, Page Down, Home or End leads to.
+fn move_choice(rows: &[usize], event: &KeyboardEvent) -> Option<usize> {
     const PAGE: usize = 10;
-    let on_row = event.target().is_some_and(|target| {
-        target
-            .dyn_ref::<web_sys::Element>()
-            .is_some_and(|e| e.tag_name() == "TR")
-    });
-    let Some(last) = rows.len().checked_sub(1).filter(|_| on_row) else {
-        return;
-    };
-    let chosen = workbench.chosen.get_untracked();
-    let at = rows
-        .iter()
-        .position(|view| Some(*view) == chosen)
-        .unwrap_or(0);
+    let row: Element = event.target()?.dyn_into().ok()?;
+    let at: usize = row.get_attribute("data-position")?.parse().ok()?;
+    let last = rows.len().checked_sub(1)?;
     let to = match event.key().as_str() {
         "ArrowDown" => (at + 1).min(last),
         "ArrowUp" => at.saturating_sub(1),
@@ -245,40 +328,31 @@ fn move_choice(workbench: Workbench, rows: &[usize], event: &KeyboardEvent) {
         "Home" => 0,
         "End" => last,
         "Enter" | " " => at,
-        _ => return,
+        _ => return None,
     };
     event.prevent_default();
-    workbench.choose(Some(rows[to]));
-    if let Some(row) = row_element(rows[to]) {
+    rows.get(to).copied()
+}
+
+/// A row that is not made yet takes the focus as soon as it is.
+fn focus(view: usize) {
+    if let Some(row) = row_element(view) {
         let _ = row.focus();
     }
 }
 
 /// A view that is chosen in the scene shows up in the table.
-fn keep_chosen_in_sight(workbench: Workbench) {
+fn keep_chosen_in_sight(workbench: Workbench, rows: Memo<Vec<usize>>, sight: Sight) {
     Effect::new(move |_| {
-        let row = workbench.chosen.get().and_then(row_element);
-        if let Some((row, frame)) = row.and_then(|row| {
-            let frame = row.closest(".table-frame").ok().flatten()?;
-            Some((row, frame))
-        }) {
-            scroll_within(&frame.unchecked_into(), &row);
+        let Some(chosen) = workbench.chosen.get() else {
+            return;
+        };
+        sight.frame.track();
+        let position = |rows: &Vec<usize>| rows.iter().position(|view| *view == chosen);
+        if let Some(position) = rows.with_untracked(position) {
+            sight.reveal(position, HEAD);
         }
     });
-}
-
-/// Scrolls the frame, and never the page.
-fn scroll_within(frame: &HtmlElement, row: &HtmlElement) {
-    const HEAD: i32 = 34;
-    let (top, bottom) = (
-        row.offset_top() - HEAD,
-        row.offset_top() + row.offset_height(),
-    );
-    if top < frame.scroll_top() {
-        frame.set_scroll_top(top);
-    } else if bottom > frame.scroll_top() + frame.client_height() {
-        frame.set_scroll_top(bottom - frame.client_height());
-    }
 }
 
 fn row_id(view: usize) -> String {

@@ -250,7 +250,7 @@ fn insist(candidates: &[Vec<Candidate>], spots: &[Spots], choices: &mut [Choice]
 pub fn object_grain(setup: &Setup, choices: &[Choice]) -> f64 {
     let own = grain::estimate(choices, &sweeps(setup.stations));
     let of_wall = setup.vessel.grain;
-    own.map_or(of_wall, |own| own.and(&of_wall)).value
+    own.unwrap_or(of_wall).expected_with(&of_wall)
 }
 
 /// Puts the grain that the chosen spots show into their points' standard deviations.

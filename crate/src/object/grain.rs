@@ -15,6 +15,8 @@ use crate::spots::{Grain, GrainSample};
 /// neighbours.
 pub(super) fn estimate(choices: &[Choice], sweep_of: &[usize]) -> Option<Grain> {
     const LEAST: usize = 8;
+    /// Neighbouring differences share a view: they say two thirds of what as many samples of their own would.
+    const OWN: f64 = 2.0 / 3.0;
     const CLIP: f64 = 16.0;
     let all = neighbours(choices, sweep_of);
     let mut kept = all.clone();
@@ -22,23 +24,12 @@ pub(super) fn estimate(choices: &[Choice], sweep_of: &[usize]) -> Option<Grain> 
         if kept.len() < LEAST {
             return None;
         }
-        let grain = Grain::of(&kept).value;
+        let grain = Grain::of(&kept, OWN).value;
         // A wrong spot, or an edge of the object, would count for all others.
         let usual = |s: &GrainSample| s.square <= CLIP * (s.camera + grain * s.unit);
         kept = all.iter().copied().filter(usual).collect();
     }
-    (kept.len() >= LEAST).then(|| of_differences(&kept))
-}
-
-/// Differences of neighbours share their views: they say two thirds of what as many samples of their own
-/// would.
-fn of_differences(pairs: &[GrainSample]) -> Grain {
-    const OWN: f64 = 2.0 / 3.0;
-    let grain = Grain::of(pairs);
-    Grain {
-        information: OWN * grain.information,
-        ..grain
-    }
+    (kept.len() >= LEAST).then(|| Grain::of(&kept, OWN))
 }
 
 fn neighbours(choices: &[Choice], sweep_of: &[usize]) -> Vec<GrainSample> {

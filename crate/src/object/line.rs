@@ -17,7 +17,7 @@ use crate::optics::Stack;
 use crate::rig::Sheet;
 use crate::robust::median;
 use crate::scan::{InsideMedium, Station};
-use crate::spots::{Line, Spot, Spots};
+use crate::spots::{Line, Spot, SpotRole, Spots};
 use crate::vessel::NoRoom;
 
 /// Finds each view's object points among the line's points that are not the wall's.
@@ -45,7 +45,7 @@ pub(super) fn find_on_line(
             walls,
         };
         let on_wall = setup.vessel.points[view].iter().map(|p| p.spot);
-        choose(&light, line, &spots.spots, on_wall, settings)
+        choose(&light, line, spots, on_wall, settings)
     };
     spots.iter().enumerate().map(of_view).collect()
 }
@@ -77,6 +77,8 @@ impl Walls {
 struct Candidate {
     spot: usize,
     curve: usize,
+    /// A person says that it is.
+    said: bool,
     /// The ray that meets the line of sight.
     angle: f64,
     meeting: Meeting,
@@ -85,11 +87,13 @@ struct Candidate {
 fn choose(
     light: &Light,
     line: &Line,
-    spots: &[Spot],
+    of_view: &Spots,
     on_wall: impl Iterator<Item = usize>,
     settings: &ObjectSettings,
 ) -> Choice {
-    let mut taken = vec![false; spots.len()];
+    let spots = of_view.spots.as_slice();
+    let may_be = |spot: usize| of_view.may_be(spot, SpotRole::Object);
+    let mut taken: Vec<bool> = (0..spots.len()).map(|spot| !may_be(spot)).collect();
     on_wall.for_each(|spot| taken[spot] = true);
     let mut refused = Vec::new();
     let mut candidates = Vec::new();
@@ -99,6 +103,7 @@ fn choose(
                 Ok((angle, meeting)) => candidates.push(Candidate {
                     spot,
                     curve: index,
+                    said: of_view.said_of(spot).is_some(),
                     angle,
                     meeting,
                 }),
@@ -127,7 +132,8 @@ fn choose(
     Choice { points, refused }
 }
 
-/// Which candidates share their ray with one of a curve that has more light.
+/// Which candidates share their ray with one that a person says to be the object's, or with one of a curve
+/// that has more light.
 fn outdone(candidates: &[Candidate], line: &Line, spots: &[Spot]) -> Vec<bool> {
     let mut light = vec![0.0; line.curves.len()];
     for candidate in candidates {
@@ -145,7 +151,8 @@ fn outdone(candidates: &[Candidate], line: &Line, spots: &[Spot]) -> Vec<bool> {
                 break;
             }
             if there.curve != here.curve {
-                let fainter = light[there.curve] < light[here.curve];
+                let weight = |c: &Candidate| (c.said, light[c.curve]);
+                let fainter = weight(there) < weight(here);
                 outdone[if fainter { other } else { index }] = true;
             }
         }

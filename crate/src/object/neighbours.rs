@@ -202,8 +202,7 @@ fn sides(beam: &Ray<World>, beside: &[Beside], each: usize) -> [Vec<usize>; SIDE
             neighbour.across.dot(&nearest.across) * nearest.across.norm(),
             neighbour.across.dot(&upwards),
         );
-        let turn = libm::atan2(y, x) / std::f64::consts::TAU * SIDES as f64;
-        let side = &mut sides[libm::round(turn + SIDES as f64) as usize % SIDES];
+        let side = &mut sides[side(x, y)];
         let nearer = |other: &usize| beside[*other].square <= neighbour.square;
         side.insert(side.partition_point(nearer), index);
         side.truncate(each);
@@ -212,6 +211,25 @@ fn sides(beam: &Ray<World>, beside: &[Beside], each: usize) -> [Vec<usize>; SIDE
         too_far = lasts.fold(0.0, f64::max);
     }
     sides
+}
+
+/// In which of the eight directions a place lies, each an eighth of the turn about an axis or between two.
+fn side(x: f64, y: f64) -> usize {
+    /// The tangent of half an eighth.
+    const HALF: f64 = 0.414_213_562_373_095_03;
+    let (far_x, far_y) = (x.abs(), y.abs());
+    if far_y <= HALF * far_x {
+        return if x >= 0.0 { 0 } else { 4 };
+    }
+    if far_x <= HALF * far_y {
+        return if y >= 0.0 { 2 } else { 6 };
+    }
+    match (x >= 0.0, y >= 0.0) {
+        (true, true) => 1,
+        (false, true) => 3,
+        (false, false) => 5,
+        (true, false) => 7,
+    }
 }
 
 /// What the misfits along several axes say together: either every axis speaks for itself, or the place is at
@@ -307,4 +325,19 @@ fn forecast(a: &Beside, b: &Beside) -> Option<Forecast> {
         variance: noise(wa, a.sigma) + noise(wb, b.sigma) + (0.5 * beside) * (0.5 * beside),
         chord: 0.5 * (sa * sb).abs() * steep * steep * steep,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::side;
+
+    #[test]
+    fn a_place_lies_on_the_side_of_its_angle() {
+        for degrees in -180..540 {
+            let angle = f64::from(degrees).to_radians();
+            let expected = libm::round(f64::from(degrees + 360) / 45.0) as usize % 8;
+            let there = side(3.0 * libm::cos(angle), 3.0 * libm::sin(angle));
+            assert_eq!(there, expected, "{degrees} degrees");
+        }
+    }
 }

@@ -7,7 +7,7 @@
 //! changes. A spot with which no neighbours agree is refused at last, if the scan has shown that there are
 //! ghosts.
 
-use super::neighbours::{Forecasts, Misfit, Place, together, usual_curvature};
+use super::neighbours::{Forecasts, Misfit, Place, around, together, usual_curvature};
 use super::{Neighbourhood, ObjectPoint};
 use crate::geometry::{Ray, World};
 use crate::robust::{median, robust_scale};
@@ -118,8 +118,9 @@ pub(super) fn select(
         return vec![Selection::default(); fitting.len()];
     };
     let mut selections = alone(fitting, usual);
+    let around = around_each(beams, &places(fitting, beams, &selections));
     for _ in 0..ROUNDS {
-        let next = round(fitting, beams, &selections);
+        let next = round(fitting, beams, &around, &selections);
         let settled = choices(&next) == choices(&selections);
         selections = next;
         if settled {
@@ -164,10 +165,35 @@ fn alone(fitting: &[Vec<Fitting>], usual: Usual) -> Vec<Selection> {
     fitting.iter().map(view).collect()
 }
 
+/// The views that each view's neighbours are among, whatever is chosen in them.
+fn around_each(beams: &[Option<Ray<World>>], places: &[Option<Place>]) -> Vec<Vec<usize>> {
+    let views = beams.iter().enumerate();
+    let around_view = |(view, beam): (usize, &Option<Ray<World>>)| {
+        let beam = beam.as_ref();
+        beam.map_or_else(Vec::new, |beam| around(view, beam, places))
+    };
+    views.map(around_view).collect()
+}
+
+/// Where the chosen spots are.
+fn places(
+    fitting: &[Vec<Fitting>],
+    beams: &[Option<Ray<World>>],
+    selections: &[Selection],
+) -> Vec<Option<Place>> {
+    let views = selections.iter().zip(fitting).zip(beams);
+    let chosen =
+        |((selection, spots), beam): ((&Selection, &Vec<Fitting>), &Option<Ray<World>>)| {
+            Some(place(&spots[selection.chosen?], beam.as_ref()?))
+        };
+    views.map(chosen).collect()
+}
+
 /// Each view in the light of what was chosen in the others.
 fn round(
     fitting: &[Vec<Fitting>],
     beams: &[Option<Ray<World>>],
+    around: &[Vec<usize>],
     before: &[Selection],
 ) -> Vec<Selection> {
     let chosen: Vec<Option<&Fitting>> = before
@@ -175,11 +201,7 @@ fn round(
         .zip(fitting)
         .map(|(selection, spots)| Some(&spots[selection.chosen?]))
         .collect();
-    let places: Vec<Option<Place>> = chosen
-        .iter()
-        .zip(beams)
-        .map(|(spot, beam)| Some(place((*spot)?, beam.as_ref()?)))
-        .collect();
+    let places = places(fitting, beams, before);
     let trusted: Vec<Option<Place>> = places
         .iter()
         .zip(before)
@@ -189,8 +211,8 @@ fn round(
         .iter()
         .enumerate()
         .map(|(view, beam)| {
-            let others = places[..view].iter().chain(&places[view + 1..]);
-            Some(Forecasts::of(beam.as_ref()?, others.flatten().copied()))
+            let others = around[view].iter().filter_map(|other| places[*other]);
+            Some(Forecasts::of(beam.as_ref()?, others))
         })
         .collect();
     let curvature = usual_curvature(&forecasts, &trusted);

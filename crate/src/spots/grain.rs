@@ -27,41 +27,83 @@ pub(crate) struct GrainSample {
     pub(crate) unit: f64,
 }
 
-/// The grain of the laser's light.
+/// The grain of the laser's light, as some samples show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Grain {
     /// g, px^2.
     pub value: f64,
-    /// One over the estimate's variance; 0 where nothing is known.
-    pub information: f64,
+    shown_by: Samples,
+}
+
+/// What the samples weigh: sums over c and m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Samples {
+    m: f64,
+    mm: f64,
+    cm: f64,
+    cc: f64,
+    /// The part of them that no other sample shares.
+    own: f64,
+}
+
+impl Samples {
+    /// One over the variance of their estimate, if the grain is g: a square scatters by sqrt(2) of its mean.
+    fn information(&self, g: f64) -> f64 {
+        let variance = 2.0 * (self.cc + 2.0 * g * self.cm + g * g * self.mm);
+        match variance > 0.0 {
+            true => self.own * self.m * self.m / variance,
+            false => 0.0,
+        }
+    }
 }
 
 impl Grain {
-    /// The grain that makes the samples' mean square what it is; never negative.
-    pub(crate) fn of(samples: &[GrainSample]) -> Self {
-        let over: f64 = samples.iter().map(|s| s.square - s.camera).sum();
-        let unit: f64 = samples.iter().map(|s| s.unit).sum();
-        let value = (over / unit).max(0.0);
-        let variance = samples.iter().map(|s| {
-            let expected = s.camera + value * s.unit;
-            2.0 * expected * expected
-        });
+    /// The grain that makes the samples' mean square what it is; never negative. `own` is the part of the
+    /// samples that is independent: less than 1 where one spot is in several.
+    pub(crate) fn of(samples: &[GrainSample], own: f64) -> Self {
+        let sum = |of: fn(&GrainSample) -> f64| -> f64 { samples.iter().map(of).sum() };
+        let m = sum(|s| s.unit);
         Self {
-            value,
-            information: unit * unit / variance.sum::<f64>(),
+            value: (sum(|s| s.square - s.camera) / m).max(0.0),
+            shown_by: Samples {
+                m,
+                mm: sum(|s| s.unit * s.unit),
+                cm: sum(|s| s.camera * s.unit),
+                cc: sum(|s| s.camera * s.camera),
+                own,
+            },
         }
     }
 
-    /// What two independent estimates say together.
-    pub(crate) fn and(&self, other: &Self) -> Self {
-        let information = self.information + other.information;
-        if information.is_nan() || information <= 0.0 {
-            return *self;
-        }
-        let sum = self.value * self.information + other.value * other.information;
+    /// A grain that is found otherwise, and weighs nothing beside others.
+    pub(crate) fn alone(value: f64) -> Self {
         Self {
-            value: sum / information,
-            information,
+            value,
+            shown_by: Samples::default(),
         }
+    }
+
+    /// The mean of what g may be after two independent estimates, px^2.
+    ///
+    /// That is more than its likeliest value, for few samples say more often that a variance is small than
+    /// that it is large: with n of them the mean is n / (n - 2) as large (the scaled inverse chi-squared
+    /// distribution). Here at most a standard deviation is added.
+    pub(crate) fn expected_with(&self, other: &Self) -> f64 {
+        let both = [self, other];
+        let mut g = f64::midpoint(self.value, other.value);
+        let mut information = 0.0;
+        // What an estimate weighs depends on g, not on what it happened to find: small ones would else
+        // seem the better ones.
+        for _ in 0..8 {
+            let weights = both.map(|grain| grain.shown_by.information(g));
+            information = weights.iter().sum();
+            if information <= 0.0 {
+                return self.value;
+            }
+            let sum: f64 = both.iter().zip(weights).map(|(g, w)| w * g.value).sum();
+            g = sum / information;
+        }
+        let variance = 1.0 / information;
+        g + (variance / g).min(variance.sqrt())
     }
 }

@@ -70,5 +70,5 @@ fn excess(spots: &[OffLine], residual: &impl Fn(&OffLine) -> f64) -> Grain {
         camera: s.variance,
         unit: s.unit,
     };
-    Grain::of(&spots.iter().map(sample).collect::<Vec<_>>())
+    Grain::of(&spots.iter().map(sample).collect::<Vec<_>>(), 1.0)
 }

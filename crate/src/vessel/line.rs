@@ -18,7 +18,7 @@ use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::optics::Surface;
 use crate::rig::{Profiles, Sheet};
 use crate::robust::median;
-use crate::spots::{Grain, Line, Spot};
+use crate::spots::{Grain, Line, Spot, SpotRole};
 
 /// A block has so many points at least.
 const LEAST: usize = 5;
@@ -32,6 +32,9 @@ struct ViewLine<'a> {
     view: usize,
     line: &'a Line,
     spots: &'a [Spot],
+    /// Which points a person says to be the wall's.
+    said: Vec<bool>,
+    /// Points that are said to be something else are not taken for the wall's.
     lit: Vec<Option<Lit>>,
 }
 
@@ -91,10 +94,7 @@ impl Finder<'_> {
             self.add_uncertainty(&mut fit, &picks(&of_share(share + glows.share_sigma)));
         }
         let points = self.line_points(&lines, (&merged, &blocks), &fit, (share, grain));
-        let grain = Grain {
-            value: grain,
-            information: 0.0,
-        };
+        let grain = Grain::alone(grain);
         let mut found = self.assemble(&picks(&blocks), &faces, fit, (grain, glow.glows, choice))?;
         found.replace_points(points);
         Ok(found)
@@ -108,10 +108,17 @@ impl Finder<'_> {
                 view,
                 line,
                 spots: &spots.spots,
+                said: (0..spots.spots.len())
+                    .map(|index| spots.said_of(index) == Some(SpotRole::Vessel))
+                    .collect(),
                 lit: spots
                     .spots
                     .iter()
-                    .map(|s| self.lit(sheet, view, s))
+                    .enumerate()
+                    .map(|(index, spot)| {
+                        let may_be = spots.may_be(index, SpotRole::Vessel);
+                        self.lit(sheet, view, spot).filter(|_| may_be)
+                    })
                     .collect(),
             })
             .collect()
@@ -311,15 +318,18 @@ impl Finder<'_> {
 }
 
 impl ViewLine<'_> {
-    /// Which of the points that `may` be are the first on their ray, whatever curve the others are of.
+    /// Which of the points that `may` be are the first on their ray, whatever curve the others are of. What a
+    /// person says to be the wall's comes before all others.
     fn first_of(&self, may: impl Fn(Point<World>) -> bool) -> Vec<bool> {
         let mut first = vec![false; self.spots.len()];
         let mut curve_of = vec![0; self.spots.len()];
         for (index, curve) in self.line.curves.iter().enumerate() {
             curve_of[curve.range()].fill(index);
         }
-        let eligible = (0..self.spots.len())
-            .filter_map(|spot| Some((spot, self.lit[spot].filter(|lit| may(lit.point))?)));
+        let eligible = (0..self.spots.len()).filter_map(|spot| {
+            let lit = self.lit[spot].filter(|lit| self.said[spot] || may(lit.point))?;
+            Some((spot, lit))
+        });
         let mut points: Vec<(usize, Lit)> = eligible.collect();
         points.sort_by(|a, b| a.1.angle.total_cmp(&b.1.angle));
         let pitch = self.pitch();
@@ -330,7 +340,8 @@ impl ViewLine<'_> {
                 .take_while(near)
                 .chain(points[place..].iter().take_while(near));
             let mut around = around.filter(|(other, _)| curve_of[*other] != curve_of[*spot]);
-            first[*spot] = !around.any(|(_, other)| other.along < lit.along);
+            first[*spot] = self.said[*spot]
+                || !around.any(|(other, at)| self.said[*other] || at.along < lit.along);
         }
         first
     }

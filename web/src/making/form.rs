@@ -1,5 +1,6 @@
 //! The form: a panel for each part, drawn from what the worker says of it, and a list of what is missing.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use leptos::html;
@@ -240,10 +241,10 @@ fn Pictures() -> impl IntoView {
     let making = Workbench::get().making;
     let (loose, folder) = (NodeRef::<html::Input>::new(), NodeRef::<html::Input>::new());
     let clear = move |_| {
-        making.pictures.update(|pictures| pictures.clear());
+        making.pictures.update(BTreeMap::clear);
         making.files_changed();
     };
-    let count = move || making.pictures.with(|pictures| pictures.len());
+    let count = move || making.pictures.with(BTreeMap::len);
     let pairs =
         Memo::new(move |_| of_draft(making, |drafted| drafted.pairs.clone()).unwrap_or_default());
     let unpaired = Memo::new(move |_| {
@@ -364,20 +365,22 @@ fn Missing() -> impl IntoView {
     view! {
         <section class="panel making-missing" aria-labelledby="making-missing">
             <h2 id="making-missing">{move || if ready() { "Everything is there" } else { "What is missing" }}</h2>
-            <ul role="status" data-testid="missing">
-                {move || {
-                    let line = |(title, gap): (String, String)| {
-                        view! {
-                            <li>
-                                <b>{title}</b>
-                                " "
-                                {gap}
-                            </li>
-                        }
-                    };
-                    gaps.get().into_iter().map(line).collect_view()
-                }}
-            </ul>
+            <div role="status" data-testid="missing">
+                <ul>
+                    {move || {
+                        let line = |(title, gap): (String, String)| {
+                            view! {
+                                <li>
+                                    <b>{title}</b>
+                                    " "
+                                    {gap}
+                                </li>
+                            }
+                        };
+                        gaps.get().into_iter().map(line).collect_view()
+                    }}
+                </ul>
+            </div>
             <div class="making-actions">
                 <button
                     type="button"

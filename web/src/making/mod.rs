@@ -66,6 +66,7 @@ pub(crate) fn open(workbench: Workbench, mut files: Vec<Arrived>) {
         }
         1 => {
             let Arrived { path, file } = files.remove(0);
+            workbench.comes_by_address(false);
             open_file(workbench, file.into(), path);
         }
         many => workbench.fail(Problem::input(

@@ -20,6 +20,8 @@ pub(super) fn frame(
 ) -> impl IntoView {
     let canvas = NodeRef::<html::Canvas>::new();
     let missing = RwSignal::new(false);
+    // Where a pointer went down: one that has moved since has dragged.
+    let held = StoredValue::new(None::<[i32; 2]>);
     Effect::new(move |_| {
         let Some(canvas) = canvas.get() else { return };
         sheet.workbench.pictures.with(|set| {
@@ -51,12 +53,21 @@ pub(super) fn frame(
                 )
                 data-testid=format!("{test_id}-frame")
                 style:aspect-ratio=ratio
-                on:pointerdown=hold
+                on:pointerdown=move |event| {
+                    held.set_value(Some([event.client_x(), event.client_y()]));
+                    hold(event);
+                }
                 on:pointermove=move |event| {
                     drag(sheet, &event);
                     sheet.pixel.set(Some(pixel_at(sheet, &event)));
                 }
                 on:pointerleave=move |_| sheet.pixel.set(None)
+                on:click=move |event| {
+                    let moved = held.get_value() != Some([event.client_x(), event.client_y()]);
+                    if !moved {
+                        sheet.mark();
+                    }
+                }
                 on:wheel=move |event| wheel(sheet, &event)
                 on:keydown=move |event| keys(sheet, &event)
             >
@@ -140,6 +151,7 @@ fn keys(sheet: Sheet, event: &KeyboardEvent) {
         "ArrowDown" => (0, step),
         "+" | "=" => return zoom_about_pixel(sheet, FACTOR),
         "-" => return zoom_about_pixel(sheet, 1.0 / FACTOR),
+        "Enter" => return sheet.mark(),
         _ => return,
     };
     event.prevent_default();

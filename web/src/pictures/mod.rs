@@ -37,9 +37,28 @@ struct Sheet {
     pointed: RwSignal<Option<(usize, &'static str)>>,
     /// The pixel that is pointed at.
     pixel: RwSignal<Option<[usize; 2]>>,
+    /// Of a line: the pixel about which something is said, and how far about it, px.
+    marked: RwSignal<Option<[usize; 2]>>,
+    reach: RwSignal<f64>,
 }
 
 impl Sheet {
+    /// Whether the laser draws a line, whose points are not told of one by one.
+    fn is_of_line(self) -> bool {
+        self.workbench.facts.with(|facts| {
+            facts
+                .as_ref()
+                .is_some_and(|facts| facts.epipolar_line.is_empty())
+        })
+    }
+
+    /// Marks the pixel that is pointed at.
+    fn mark(self) {
+        if self.is_of_line() {
+            self.marked.set(self.pixel.get_untracked());
+        }
+    }
+
     /// Whether a spot is pointed at.
     fn points_at(self, spot: usize) -> bool {
         self.pointed
@@ -75,11 +94,14 @@ pub(crate) fn Pictures() -> impl IntoView {
         spots,
         pointed: RwSignal::new(None),
         pixel: RwSignal::new(None),
+        marked: RwSignal::new(None),
+        reach: RwSignal::new(12.0),
     };
     Effect::new(move |_| {
         workbench.chosen.track();
         look.update(|look| look.centre = None);
         sheet.pixel.set(None);
+        sheet.marked.set(None);
     });
     Effect::new(move |_| {
         spots.track();

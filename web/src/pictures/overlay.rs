@@ -37,6 +37,10 @@ pub(super) fn Overlay(sheet: Sheet, of_picture: &'static str) -> impl IntoView {
             <polyline class="epipolar" points=line />
             {move || values(sheet, of_picture)}
             {move || {
+                let [u, v] = sheet.marked.get()?;
+                Some(view! { <circle class="marked" cx=u cy=v r=move || sheet.reach.get().to_string() /> })
+            }}
+            {move || {
                 let window = sheet.window.get();
                 let spots = sheet.spots.get();
                 if spots.len() > MOST_MARKS {

@@ -19,15 +19,8 @@ const NOTED: &str = "picture-on";
 /// focus.
 #[component]
 pub(super) fn SpotList(sheet: Sheet) -> impl IntoView {
-    let is_line = move || {
-        sheet.workbench.facts.with(|facts| {
-            facts
-                .as_ref()
-                .is_some_and(|facts| facts.epipolar_line.is_empty())
-        })
-    };
     view! {
-        <Show when=is_line fallback=move || view! { <Spots sheet /> }>
+        <Show when=move || sheet.is_of_line() fallback=move || view! { <Spots sheet /> }>
             <LineCounts sheet />
         </Show>
     }
@@ -46,6 +39,78 @@ fn LineCounts(sheet: Sheet) -> impl IntoView {
         <p class="help" data-testid="spots">
             {counted}
         </p>
+        <Show
+            when=move || sheet.marked.get().is_some()
+            fallback=|| {
+                view! {
+                    <p class="help">
+                        "Click a place of the line, or press Enter at a pixel, to say what is there."
+                    </p>
+                }
+            }
+        >
+            <SayAround sheet />
+        </Show>
+    }
+}
+
+/// Says what the points about the marked pixel are.
+#[component]
+fn SayAround(sheet: Sheet) -> impl IntoView {
+    let count = move || {
+        let Some([u, v]) = sheet.marked.get() else {
+            return 0;
+        };
+        let reach = sheet.reach.get();
+        let near = |spot: &&super::Found| {
+            let [du, dv] = [spot.pixel[0] - u as f64, spot.pixel[1] - v as f64];
+            (du * du + dv * dv).sqrt() <= reach
+        };
+        sheet.spots.with(|spots| spots.iter().filter(near).count())
+    };
+    let say = move |role: Option<SpotRole>| {
+        let workbench = sheet.workbench;
+        let chosen = workbench.chosen.get_untracked();
+        if let (Some(view), Some(pixel)) = (chosen, sheet.marked.get_untracked()) {
+            let pixel = pixel.map(|at| at as f64);
+            workbench.say_within(view, pixel, sheet.reach.get_untracked(), role);
+        }
+    };
+    let button = move |role: SpotRole| {
+        view! {
+            <button
+                type="button"
+                class="chip"
+                data-testid=format!("say-{}", role_class(role))
+                on:click=move |_| say(Some(role))
+            >
+                {role_name(role)}
+            </button>
+        }
+    };
+    let reached = move |event| {
+        if let Ok(reach) = event_target_value(&event).parse() {
+            sheet.reach.set(reach);
+        }
+    };
+    view! {
+        <div class="say-around" role="group" aria-label="What is about the marked pixel">
+            <label class="field">
+                <span>{move || format!("{} points within {} px are", count(), sheet.reach.get())}</span>
+                <input
+                    type="range"
+                    min="1"
+                    max="100"
+                    data-testid="say-reach"
+                    prop:value=move || sheet.reach.get().to_string()
+                    on:input=reached
+                />
+            </label>
+            {ROLES.map(button).collect_view()}
+            <button type="button" class="chip" data-testid="say-nothing" on:click=move |_| say(None)>
+                "as found"
+            </button>
+        </div>
     }
 }
 

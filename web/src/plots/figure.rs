@@ -1,22 +1,24 @@
 //! One figure: the worker's drawing, with the pointer's values and the chosen view over it.
 
+use std::sync::Arc;
+
 use leptos::prelude::*;
 use leptos::{ev, html};
-use snellius::plot::{Drawing, Mark, PlotError};
+use snellius::plot::PlotError;
 use wasm_bindgen::JsCast;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::{Element, KeyboardEvent, MouseEvent};
 
 use super::{Shown, Tall};
 use crate::files::save_text;
-use crate::run::{FigureForm, Figured, Problem};
+use crate::run::{Drawn, FigureForm, Figured, MarkAt, Problem};
 use crate::state::Workbench;
 
 /// The pointer finds values this near, px of the drawing.
 const REACH: f32 = 18.0;
 
 /// A drawing, or why there is none.
-type Answer = Result<Drawing, PlotError>;
+type Answer = Result<Arc<Drawn>, PlotError>;
 
 /// A figure with its downloads.
 #[component]
@@ -43,7 +45,7 @@ pub(super) fn FigureView(figure: Shown, frame: NodeRef<html::Div>) -> impl IntoV
             match drawn {
                 Ok(Figured::Drawn(drawing)) => {
                     pointed.set(None);
-                    answer.set(Some(Ok(*drawing)));
+                    answer.set(Some(Ok(Arc::new(*drawing))));
                 }
                 Ok(Figured::None(why)) => answer.set(Some(Err(why))),
                 Ok(Figured::Table(_)) => {}
@@ -99,12 +101,12 @@ fn why_none(why: &PlotError) -> String {
 
 /// The drawing, what the pointer is at, and rings around the chosen view's values.
 #[component]
-fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
+fn Sheet(drawing: Arc<Drawn>, pointed: RwSignal<Option<usize>>) -> impl IntoView {
     let workbench = Workbench::get();
     let sheet = NodeRef::<html::Div>::new();
     let [width, height] = drawing.size;
     let (svg, title) = (drawing.svg.clone(), drawing.title.clone());
-    let marks = StoredValue::new(drawing.marks);
+    let drawn = StoredValue::new(drawing);
     let at_pointer = move |event: &MouseEvent| {
         let sheet: Element = sheet.get_untracked()?.unchecked_into();
         let area = sheet.get_bounding_client_rect();
@@ -113,12 +115,12 @@ fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
             (event.client_x() as f32 - area.x() as f32) * scale,
             (event.client_y() as f32 - area.y() as f32) * scale,
         ];
-        marks.with_value(|marks| nearest(marks, place))
+        drawn.with_value(|drawn| nearest(&drawn.marks, place))
     };
     let choose = move || {
         let view = pointed
             .get_untracked()
-            .and_then(|at| marks.with_value(|marks| marks.get(at).and_then(|mark| mark.view)));
+            .and_then(|at| drawn.with_value(|drawn| drawn.marks.get(at)?.view));
         if view.is_some() {
             workbench.choose(view);
         }
@@ -134,20 +136,21 @@ fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
             _ => return,
         };
         event.prevent_default();
-        let count = marks.with_value(Vec::len);
+        let count = drawn.with_value(|drawn| drawn.marks.len());
         pointed.update(|at| *at = stepped(*at, step, count));
     };
     let rings = move || {
         let chosen = workbench.chosen.get();
-        marks.with_value(|marks| {
-            let of_view = marks
+        drawn.with_value(|drawn| {
+            let of_view = drawn
+                .marks
                 .iter()
                 .filter(|m| m.view.is_some() && m.view == chosen);
             // A line's hundreds of points are marked one beside the other.
             const MANY: usize = 8;
-            let of_view: Vec<&Mark> = of_view.collect();
+            let of_view: Vec<&MarkAt> = of_view.collect();
             let radius = if of_view.len() > MANY { "2.5" } else { "6" };
-            let ring = |mark: &&Mark| {
+            let ring = |mark: &&MarkAt| {
                 view! { <circle class="chosen" cx=mark.at[0] cy=mark.at[1] r=radius /> }
             };
             of_view.iter().map(ring).collect_view()
@@ -155,14 +158,15 @@ fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
     };
     let pointer = move || {
         let at = pointed.get()?;
-        marks.with_value(|marks| {
-            let mark = marks.get(at)?;
+        drawn.with_value(|drawn| {
+            let mark = drawn.marks.get(at)?;
             Some(view! { <circle class="pointed" cx=mark.at[0] cy=mark.at[1] r="7" /> })
         })
     };
     let told = move || {
         let at = pointed.get();
-        let words = at.and_then(|at| marks.with_value(|marks| Some(marks.get(at)?.words.clone())));
+        let words =
+            at.and_then(|at| drawn.with_value(|drawn| Some(drawn.words_of(at)?.to_owned())));
         words.unwrap_or_else(|| "Point at a value, or use the arrow keys.".to_owned())
     };
     view! {
@@ -180,7 +184,11 @@ fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
             }
             on:keydown=keys
         >
-            <div class="plot-drawing" inner_html=svg></div>
+            <div
+                class="plot-drawing"
+                style:aspect-ratio=format!("{width} / {height}")
+                inner_html=svg
+            ></div>
             <svg class="plot-marks" viewBox=format!("0 0 {width} {height}") aria-hidden="true">
                 {rings}
                 {pointer}
@@ -193,7 +201,7 @@ fn Sheet(drawing: Drawing, pointed: RwSignal<Option<usize>>) -> impl IntoView {
 }
 
 /// The value that is nearest to a place, if one is near.
-fn nearest(marks: &[Mark], [x, y]: [f32; 2]) -> Option<usize> {
+fn nearest(marks: &[MarkAt], [x, y]: [f32; 2]) -> Option<usize> {
     let distances = marks.iter().map(|mark| {
         let [dx, dy] = [mark.at[0] - x, mark.at[1] - y];
         dx * dx + dy * dy

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use snellius::export::{IndexFigure, ReconstructionResult, ResultFigure};
-use snellius::plot::{Axis, Drawing, Plot, PlotError};
+use snellius::plot::{Axis, Drawing, Mark, Plot, PlotError};
 use snellius::scan::KnownKind;
 
+use super::packed::{self, Packed};
 use super::study::{CurveKind, Study, StudyCurve};
 
 /// A figure.
@@ -28,10 +29,74 @@ pub(crate) enum FigureForm {
 /// What became of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Figured {
-    Drawn(Box<Drawing>),
+    Drawn(Box<Drawn>),
     Table(String),
     /// There is no such figure of this scan.
     None(PlotError),
+}
+
+/// A drawing as it crosses to the page: thousands of values as objects of JavaScript would keep its thread.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Drawn {
+    pub(crate) title: String,
+    pub(crate) svg: String,
+    /// Width and height, px.
+    pub(crate) size: [u32; 2],
+    /// The values that are told where the pointer is.
+    #[serde(with = "packed")]
+    pub(crate) marks: Vec<MarkAt>,
+    /// What they say, a line each.
+    words: String,
+}
+
+/// Where a value is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MarkAt {
+    /// Px from top left.
+    pub(crate) at: [f32; 2],
+    /// The view it comes from, if it is one view's.
+    pub(crate) view: Option<usize>,
+}
+
+impl Drawn {
+    fn of(drawing: Drawing) -> Self {
+        let at = |mark: &Mark| MarkAt {
+            at: mark.at,
+            view: mark.view,
+        };
+        let words = drawing
+            .marks
+            .iter()
+            .map(|mark| mark.words.replace('\n', " "));
+        Self {
+            marks: drawing.marks.iter().map(at).collect(),
+            words: words.collect::<Vec<_>>().join("\n"),
+            title: drawing.title,
+            svg: drawing.svg,
+            size: drawing.size,
+        }
+    }
+
+    /// What a value says.
+    pub(crate) fn words_of(&self, mark: usize) -> Option<&str> {
+        self.words.split('\n').nth(mark)
+    }
+}
+
+impl Packed for MarkAt {
+    const COUNT: usize = 3;
+
+    fn pack(&self, numbers: &mut Vec<f32>) {
+        numbers.extend(self.at);
+        numbers.push(self.view.map_or(-1.0, |view| view as f32));
+    }
+
+    fn unpack(n: &[f32]) -> Self {
+        Self {
+            at: [n[0], n[1]],
+            view: (n[2] >= 0.0).then_some(n[2] as usize),
+        }
+    }
 }
 
 impl FigureOf {
@@ -51,7 +116,7 @@ impl FigureOf {
         };
         let made = plot.and_then(|plot| {
             Ok(match form {
-                FigureForm::Drawing(size) => Figured::Drawn(Box::new(plot.draw(size)?)),
+                FigureForm::Drawing(size) => Figured::Drawn(Box::new(Drawn::of(plot.draw(size)?))),
                 FigureForm::Table => Figured::Table(plot.csv()),
             })
         });

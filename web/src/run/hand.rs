@@ -21,7 +21,7 @@ use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
 use super::program::Program;
-use super::report::{Facts, Outcome};
+use super::report::{Facts, Outcome, Piece};
 use super::study::Study;
 
 type Answered = Result<Reply, Problem>;
@@ -94,6 +94,14 @@ impl Hand {
         }
     }
 
+    /// Has the worker open an archive that another has opened already.
+    pub(crate) async fn open_too(&self, file: &Blob) -> Result<(), Problem> {
+        match self.ask(Request::OpenToo(file.clone())).await? {
+            Reply::Ready => Ok(()),
+            _ => Err(unexpected()),
+        }
+    }
+
     /// Has it find the spots of a view.
     pub(crate) async fn observe(
         &self,
@@ -108,11 +116,17 @@ impl Hand {
 
     /// Gives it the spots of all views to keep.
     pub(crate) async fn keep(&self, spots: &[WrittenSpots]) -> Result<(), Problem> {
-        let spots = spots.iter().collect();
-        match self.ask(Request::Keep(spots)).await? {
-            Reply::Kept => Ok(()),
-            _ => Err(unexpected()),
+        // So many go over in some milliseconds.
+        const AT_ONCE: usize = 100;
+        let mut before = 0;
+        for some in spots.chunks(AT_ONCE) {
+            let request = Request::Keep(before, some.iter().collect());
+            let Reply::Kept = self.ask(request).await? else {
+                return Err(unexpected());
+            };
+            before += some.len();
         }
+        Ok(())
     }
 
     /// Has it measure vessel and object from the spots it keeps.
@@ -229,14 +243,21 @@ impl Hand {
     }
 }
 
-/// Who waits for which answer.
+/// Who waits for which answer, and what has come of it.
 #[derive(Clone, Default)]
-struct OpenQuestions(Rc<RefCell<HashMap<u32, oneshot::Sender<Answered>>>>);
+struct OpenQuestions(Rc<RefCell<HashMap<u32, Waiting>>>);
+
+struct Waiting {
+    sender: oneshot::Sender<Answered>,
+    pieces: Vec<Piece>,
+}
 
 impl OpenQuestions {
     fn add(&self, number: u32) -> oneshot::Receiver<Answered> {
         let (sender, receiver) = oneshot::channel();
-        self.0.borrow_mut().insert(number, sender);
+        let pieces = Vec::new();
+        let waiting = Waiting { sender, pieces };
+        self.0.borrow_mut().insert(number, waiting);
         receiver
     }
 
@@ -246,17 +267,28 @@ impl OpenQuestions {
                 reply: Reply::Panicked(panic),
                 ..
             }) => self.fail_all(&panic),
+            Ok(Answer {
+                number,
+                reply: Reply::Piece(piece),
+            }) => self.add_piece(number, piece),
             Ok(Answer { number, reply }) => self.answer(number, reply),
             Err(error) => self.fail_all(&error.to_string()),
         }
     }
 
-    fn answer(&self, number: u32, reply: Reply) {
+    fn add_piece(&self, number: u32, piece: Piece) {
+        if let Some(waiting) = self.0.borrow_mut().get_mut(&number) {
+            waiting.pieces.push(piece);
+        }
+    }
+
+    fn answer(&self, number: u32, mut reply: Reply) {
         let Some(waiting) = self.0.borrow_mut().remove(&number) else {
             return;
         };
+        reply.put_together(waiting.pieces);
         // Whoever asked may have given up by now.
-        let _ = waiting.send(match reply {
+        let _ = waiting.sender.send(match reply {
             Reply::Refused(problem) => Err(problem),
             reply => Ok(reply),
         });
@@ -264,7 +296,7 @@ impl OpenQuestions {
 
     fn fail_all(&self, cause: &str) {
         for (_, waiting) in self.0.take() {
-            let _ = waiting.send(Err(Problem::own(cause)));
+            let _ = waiting.sender.send(Err(Problem::own(cause)));
         }
     }
 }

@@ -263,7 +263,7 @@ impl Lab {
             return Ok(Rc::clone(hand));
         }
         let hand = Rc::new(Hand::start().await?);
-        hand.open(&self.file).await?;
+        hand.open_too(&self.file).await?;
         self.observers.borrow_mut().push(Rc::clone(&hand));
         Ok(hand)
     }
@@ -279,7 +279,7 @@ impl Lab {
             Some(measurer) => measurer,
             None => {
                 let hand = Hand::start().await?;
-                hand.open(&self.file).await?;
+                hand.open_too(&self.file).await?;
                 Measurer {
                     hand,
                     spots: None,
@@ -298,7 +298,7 @@ impl Lab {
 /// An archive with a note in it; nothing of it is copied.
 pub(crate) async fn with_note(archive: &Blob, note: String) -> Result<Blob, Problem> {
     let hand = Hand::start().await?;
-    hand.open(archive).await?;
+    hand.open_too(archive).await?;
     let (keep, tail) = hand.note(note).await?;
     let own = |_| Problem::own("The browser could not join the parts of the file.");
     let kept = archive.slice_with_f64_and_f64(0.0, keep).map_err(own)?;

@@ -1,7 +1,7 @@
 //! What the page and its workers say to each other.
 //!
 //! Every question carries a number and is answered once under the same number, so an answer that comes
-//! late, from a run that was given up, finds nobody waiting.
+//! late, from a run that was given up, finds nobody waiting. Long lists of an answer come before it, in pieces.
 
 use js_sys::{Array, Int32Array, Uint8Array, Uint8ClampedArray, Uint16Array};
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ use super::making::{MakeReply, MakeRequest};
 use super::passing::{LinkMade, PageWish};
 use super::plan::Plan;
 use super::problem::Problem;
-use super::report::{Facts, Outcome};
+use super::report::{Facts, Outcome, Piece};
 use super::study::Study;
 
 /// The spots of a view as one worker writes them for another (JSON). The page hands them on unread: to take
@@ -45,10 +45,13 @@ pub(crate) const READY: u32 = 0;
 pub(crate) enum Request {
     /// Open an archive; everything after is about it. Answered by `Opened`.
     Open(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
+    /// Likewise, where another worker has said already what is in it. Answered by `Ready`.
+    OpenToo(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
     /// Find the spots of a view. Answered by `Observed`.
     Observe { view: usize, settings: Settings },
-    /// Keep the spots of all views: an array of [`WrittenSpots`]. Answered by `Kept`.
-    Keep(#[serde(with = "serde_wasm_bindgen::preserve")] Array),
+    /// Keep the spots of views, an array of [`WrittenSpots`], after those of so many views that were given
+    /// before. Answered by `Kept`.
+    Keep(usize, #[serde(with = "serde_wasm_bindgen::preserve")] Array),
     /// Measure vessel and object from the spots kept. Answered by `Measured`.
     Measure(Box<Plan>),
     /// Say what the spots kept tell of the liquid's index. Answered by `Studied`.
@@ -80,6 +83,8 @@ pub(crate) enum Request {
 pub(crate) enum Reply {
     /// The worker runs.
     Ready,
+    /// A part of the answer that is to come.
+    Piece(Piece),
     Opened(Box<Facts>),
     Observed(#[serde(with = "serde_wasm_bindgen::preserve")] WrittenSpots),
     Kept,
@@ -104,6 +109,35 @@ pub(crate) enum Reply {
 }
 
 impl Reply {
+    /// Takes long lists away, to be sent before.
+    pub(super) fn take_apart(&mut self) -> Vec<Piece> {
+        match self {
+            Self::Opened(facts) => facts.take_apart(),
+            Self::Measured(outcome) => outcome.take_apart(),
+            Self::Received(guest) => {
+                let mut pieces = guest.facts.take_apart();
+                pieces.extend(guest.outcome.take_apart());
+                pieces
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Puts them back.
+    pub(super) fn put_together(&mut self, pieces: Vec<Piece>) {
+        match self {
+            Self::Opened(facts) => facts.put_together(pieces),
+            Self::Measured(outcome) => outcome.put_together(pieces),
+            Self::Received(guest) => {
+                let is_station = |piece: &Piece| matches!(piece, Piece::Stations(_));
+                let (stations, others) = pieces.into_iter().partition(is_station);
+                guest.facts.put_together(stations);
+                guest.outcome.put_together(others);
+            }
+            _ => {}
+        }
+    }
+
     /// What of the answer changes hands without being copied.
     pub(crate) fn transfer(&self) -> Array {
         match self {

@@ -19,7 +19,7 @@ mod report;
 mod study;
 pub(crate) mod worker;
 
-pub(crate) use figure::{FigureForm, FigureOf, Figured};
+pub(crate) use figure::{Drawn, FigureForm, FigureOf, Figured, MarkAt};
 pub(crate) use guest::{About, Guest};
 pub(crate) use hand::{Hand, unexpected};
 pub(crate) use lab::{Lab, Progress, with_note};
@@ -48,6 +48,6 @@ fn window() -> web_sys::Window {
 }
 
 /// Milliseconds since the page was loaded.
-fn now() -> f64 {
+pub(crate) fn now() -> f64 {
     window().performance().map_or(0.0, |clock| clock.now())
 }

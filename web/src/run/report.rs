@@ -88,6 +88,31 @@ pub(crate) struct Outcome {
     pub(crate) warnings: Vec<Warning>,
 }
 
+/// A part of an outcome. The page takes one after the other, each in a task of its own: a million points in
+/// one task would keep it from everything else.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum Piece {
+    Stations(#[serde(with = "columns::stations")] Vec<StationFacts>),
+    Views(#[serde(with = "columns::views")] Vec<ViewOutcome>),
+    Object(#[serde(with = "packed")] Vec<ObjectPoint>),
+    Vessel(#[serde(with = "packed")] Vec<VesselPoint>),
+}
+
+/// Takes a list apart, and leaves it empty.
+fn pieces<T>(list: &mut Vec<T>, most: usize, piece: fn(Vec<T>) -> Piece) -> Vec<Piece> {
+    let mut rest = std::mem::take(list).into_iter();
+    let mut pieces = Vec::new();
+    while rest.len() > 0 {
+        pieces.push(piece(rest.by_ref().take(most).collect()));
+    }
+    pieces
+}
+
+/// Views, or stations, that the page takes in some milliseconds.
+const VIEWS: usize = 100;
+/// Likewise, of points.
+const POINTS: usize = 16_384;
+
 /// The liquid's index, and what it is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Index {
@@ -196,6 +221,20 @@ pub(crate) struct Spot {
 }
 
 impl Facts {
+    /// Takes the long list away.
+    pub(super) fn take_apart(&mut self) -> Vec<Piece> {
+        pieces(&mut self.stations, VIEWS, Piece::Stations)
+    }
+
+    /// Puts it back.
+    pub(super) fn put_together(&mut self, pieces: Vec<Piece>) {
+        for piece in pieces {
+            if let Piece::Stations(stations) = piece {
+                self.stations.extend(stations);
+            }
+        }
+    }
+
     pub(crate) fn of(scan: &Scan) -> Self {
         let sweep_of = sweeps(&scan.stations);
         let manifest = &scan.manifest;
@@ -265,6 +304,26 @@ fn axis(pose: &Pose<World, Camera>, axis: Place) -> Place {
 }
 
 impl Outcome {
+    /// Takes the long lists away.
+    pub(super) fn take_apart(&mut self) -> Vec<Piece> {
+        let mut all = pieces(&mut self.views, VIEWS, Piece::Views);
+        all.extend(pieces(&mut self.object, POINTS, Piece::Object));
+        all.extend(pieces(&mut self.vessel, POINTS, Piece::Vessel));
+        all
+    }
+
+    /// Puts them back.
+    pub(super) fn put_together(&mut self, pieces: Vec<Piece>) {
+        for piece in pieces {
+            match piece {
+                Piece::Stations(_) => {}
+                Piece::Views(views) => self.views.extend(views),
+                Piece::Object(points) => self.object.extend(points),
+                Piece::Vessel(points) => self.vessel.extend(points),
+            }
+        }
+    }
+
     pub(crate) fn of(reconstruction: &Reconstruction) -> Self {
         let result = reconstruction.result();
         let mut object = Vec::new();

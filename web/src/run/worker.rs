@@ -62,7 +62,14 @@ pub(crate) fn start(scope: &DedicatedWorkerGlobalScope) {
     answer(READY, Reply::Ready);
 }
 
-fn answer(number: u32, reply: Reply) {
+fn answer(number: u32, mut reply: Reply) {
+    for piece in reply.take_apart() {
+        send(number, Reply::Piece(piece));
+    }
+    send(number, reply);
+}
+
+fn send(number: u32, reply: Reply) {
     let transfer = reply.transfer();
     let Ok(message) = serde_wasm_bindgen::to_value(&Answer { number, reply }) else {
         return;
@@ -81,13 +88,15 @@ impl Desk {
     fn reply(&mut self, request: Request) -> Result<Reply, Problem> {
         match request {
             Request::Open(file) => self.open(file),
+            Request::OpenToo(file) => self.open(file).map(|_| Reply::Ready),
             Request::Observe { view, settings } => {
                 let spots = observe(self.archive()?, view, &settings)?;
                 let written = serde_json::to_vec(&spots).map_err(unreadable)?;
                 Ok(Reply::Observed(Uint8Array::from(written.as_slice())))
             }
-            Request::Keep(spots) => {
-                self.spots = read(&spots)?;
+            Request::Keep(before, spots) => {
+                self.spots.truncate(before);
+                self.spots.extend(read(&spots)?);
                 self.study = None;
                 Ok(Reply::Kept)
             }

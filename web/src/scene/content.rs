@@ -16,20 +16,19 @@ use super::points::ScenePoint;
 use super::section::Slab;
 use crate::colours::{MIDDLE, Scale};
 use crate::measuring::Picked;
-use crate::run::{Facts, Outcome, Place, Shown, Stand};
+use crate::run::{Facts, ObjectPoint, Outcome, Place, Shown, Stand};
 use crate::state::{ColourBy, Section, SectionAxis};
 
 /// More beams would hide what they light.
 const MOST_BEAMS: usize = 150;
 
+/// Likewise of cameras.
+const MOST_STATIONS: usize = 1000;
+
 /// What is to be seen. Empty until a scan is measured.
 #[derive(Default)]
 pub(super) struct Content {
-    measured: Option<(Arc<Facts>, Arc<Outcome>)>,
-    /// The object's points in their colours.
-    pub(super) object: Vec<ScenePoint>,
-    /// The wall's points.
-    pub(super) vessel: Vec<ScenePoint>,
+    measured: Option<Measured>,
     /// Whether the colours are about the wall's points.
     pub(super) about_wall: bool,
     /// The view that is chosen.
@@ -38,6 +37,53 @@ pub(super) struct Content {
     pub(super) picked: [Vec<Picked>; 2],
     patch: Option<Patch>,
     grid: Option<Grid>,
+    /// Places between which everything lies that was measured.
+    extent: Vec<Vec3>,
+}
+
+/// What was measured, and what its colours mean.
+struct Measured {
+    facts: Arc<Facts>,
+    outcome: Arc<Outcome>,
+    by: ColourBy,
+    scale: Scale,
+    /// Points that have no value.
+    plain_object: [f32; 4],
+    plain_vessel: [f32; 4],
+}
+
+impl Measured {
+    fn object_point(&self, index: usize) -> ScenePoint {
+        let point = &self.outcome.object[index];
+        let (colour, fraction) = match self.scale.of_object(&self.facts, self.by, point) {
+            Some((colour, fraction)) => (opaque(colour), fraction),
+            None => (self.plain_object, MIDDLE),
+        };
+        ScenePoint {
+            view: point.view,
+            index: Some(index - self.outcome.views[point.view].points.start),
+            place: shown(point.place),
+            unrefracted: shown(point.unrefracted),
+            colour,
+            fraction,
+        }
+    }
+
+    fn vessel_point(&self, index: usize) -> ScenePoint {
+        let point = &self.outcome.vessel[index];
+        let (colour, fraction) = match self.scale.of_vessel(self.by, point) {
+            Some((colour, fraction)) => (opaque(colour), fraction),
+            None => (self.plain_vessel, MIDDLE),
+        };
+        ScenePoint {
+            view: point.view,
+            index: None,
+            place: shown(point.place),
+            unrefracted: shown(point.place),
+            colour,
+            fraction,
+        }
+    }
 }
 
 impl Content {
@@ -48,45 +94,75 @@ impl Content {
         chosen: Option<usize>,
         palette: &Palette,
     ) -> Self {
-        let scale = Scale::of(&facts, &outcome, by);
-        let object = outcome.object.iter().enumerate().map(|(index, point)| {
-            let index = index - outcome.views[point.view].points.start;
-            let coloured = scale.of_object(&facts, by, point);
-            let places = [point.place, point.unrefracted].map(shown);
-            scene_point(
-                (point.view, Some(index)),
-                places,
-                coloured,
-                palette.plain_point,
-            )
-        });
-        let vessel = outcome.vessel.iter().map(|point| {
-            let coloured = scale.of_vessel(by, point);
-            let places = [shown(point.place); 2];
-            scene_point((point.view, None), places, coloured, palette.vessel_point)
-        });
         let up = up(&facts);
-        let places: Vec<Vec3> = outcome.vessel.iter().map(|p| shown(p.place)).collect();
-        let patch = Patch::new(&outcome.wall, &places, up);
+        let patch = Patch::new(
+            &outcome.wall,
+            &some(&outcome.vessel, |p| shown(p.place)),
+            up,
+        );
+        let object = some(&outcome.object, |p| [shown(p.place), shown(p.unrefracted)]);
         let mut content = Self {
-            object: object.collect(),
-            vessel: vessel.collect(),
             about_wall: by == ColourBy::Residual,
             chosen,
             picked: Default::default(),
+            extent: object.into_iter().flatten().chain(patch.places()).collect(),
             patch: Some(patch),
             grid: None,
-            measured: Some((facts, outcome)),
+            measured: Some(Measured {
+                scale: Scale::of(&facts, &outcome, by),
+                facts,
+                outcome,
+                by,
+                plain_object: palette.plain_point,
+                plain_vessel: palette.vessel_point,
+            }),
         };
-        content.grid = Grid::below(&content.extent(), up, content.front_direction());
+        content.grid = Grid::below(content.extent(), up, content.front_direction());
         content
     }
 
-    /// Everything that was measured, to be got into the picture.
-    pub(super) fn extent(&self) -> Vec<Vec3> {
-        let object = self.object.iter().flat_map(|p| [p.place, p.unrefracted]);
-        let wall = self.patch.iter().flat_map(Patch::places);
-        object.chain(wall).collect()
+    /// Whether it shows the same points as another, if perhaps in other colours.
+    pub(super) fn has_points_of(&self, other: &Self) -> bool {
+        match (&self.measured, &other.measured) {
+            (Some(one), Some(other)) => Arc::ptr_eq(&one.outcome, &other.outcome),
+            _ => false,
+        }
+    }
+
+    /// What the colours mean.
+    pub(super) fn scale(&self) -> Option<&Scale> {
+        Some(&self.measured.as_ref()?.scale)
+    }
+
+    /// How many points the object has, and the wall.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        let measured = self.measured.as_ref();
+        measured.map_or([0; 2], |m| [m.outcome.object.len(), m.outcome.vessel.len()])
+    }
+
+    /// A point of the object in its colour.
+    pub(super) fn object_point(&self, index: usize) -> Option<ScenePoint> {
+        Some(self.measured.as_ref()?.object_point(index))
+    }
+
+    /// A point of the wall in its colour.
+    pub(super) fn vessel_point(&self, index: usize) -> Option<ScenePoint> {
+        Some(self.measured.as_ref()?.vessel_point(index))
+    }
+
+    /// All points, the object's first.
+    pub(super) fn points(&self) -> impl Iterator<Item = ScenePoint> {
+        self.measured.iter().flat_map(|measured| {
+            let object = 0..measured.outcome.object.len();
+            let vessel = 0..measured.outcome.vessel.len();
+            let object = object.map(|index| measured.object_point(index));
+            object.chain(vessel.map(|index| measured.vessel_point(index)))
+        })
+    }
+
+    /// Places between which everything lies that was measured, to be got into the picture.
+    pub(super) fn extent(&self) -> &[Vec3] {
+        &self.extent
     }
 
     /// As [`Content::extent`], with the rig's stations.
@@ -94,20 +170,20 @@ impl Content {
         let rig = self
             .stands()
             .flat_map(|s| [vector(s.camera), vector(s.laser)]);
-        self.extent().into_iter().chain(rig).collect()
+        self.extent.iter().copied().chain(rig).collect()
     }
 
     /// A camera beside the rig.
     pub(super) fn front(&self) -> Orbit {
         match &self.measured {
-            Some((facts, _)) => Orbit::facing(up(facts), self.front_direction()),
+            Some(Measured { facts, .. }) => Orbit::facing(up(facts), self.front_direction()),
             None => Orbit::default(),
         }
     }
 
     /// From the scene towards the rig, across up.
     fn front_direction(&self) -> Vec3 {
-        let Some((facts, outcome)) = &self.measured else {
+        let Some(Measured { facts, outcome, .. }) = &self.measured else {
             return vec3(0.0, 0.0, -1.0);
         };
         let up = up(facts);
@@ -124,42 +200,53 @@ impl Content {
         }
     }
 
-    /// Cameras and the wall's edges.
-    pub(super) fn solid_lines(&self, palette: &Palette) -> Vec<Line> {
+    /// Cameras; of very many stations every so many-th.
+    pub(super) fn station_lines(&self, palette: &Palette) -> Vec<Line> {
         let size = self.station_size();
-        let cameras = self
+        let few = self
             .stands()
-            .flat_map(|s| camera_lines(s, size, palette.station));
-        let edges = self.patch.iter().flat_map(|p| p.edges(palette.wall_edge));
-        cameras.chain(edges).collect()
+            .step_by(self.stands().count() / MOST_STATIONS + 1);
+        few.flat_map(|s| camera_lines(s, size, palette.station))
+            .collect()
     }
 
-    /// The grid, and the beams up to the wall.
-    pub(super) fn faint_lines(&self, palette: &Palette) -> Vec<Line> {
-        let grid = self.grid.iter().flat_map(|g| g.lines(palette.grid));
-        let beams = self.measured.iter().flat_map(|(facts, outcome)| {
-            // Of a sheet of light, a few rays.
-            let points = outcome.vessel.iter();
-            let beams = points.step_by(outcome.vessel.len() / MOST_BEAMS + 1);
-            beams.filter_map(|point| {
-                let laser = vector(facts.stations[point.view].stand?.laser);
-                Some(Line::new(laser, shown(point.place), palette.station_beam))
-            })
-        });
-        grid.chain(beams).collect()
+    pub(super) fn grid_lines(&self, palette: &Palette) -> Vec<Line> {
+        let grid = self.grid.iter();
+        grid.flat_map(|g| g.lines(palette.grid)).collect()
+    }
+
+    pub(super) fn wall_edges(&self, palette: &Palette) -> Vec<Line> {
+        let patch = self.patch.iter();
+        patch.flat_map(|p| p.edges(palette.wall_edge)).collect()
+    }
+
+    /// The beams up to the wall.
+    pub(super) fn beams(&self, palette: &Palette) -> Vec<Line> {
+        let Some(Measured { facts, outcome, .. }) = &self.measured else {
+            return Vec::new();
+        };
+        // Of a sheet of light, a few rays.
+        let few = outcome
+            .vessel
+            .iter()
+            .step_by(outcome.vessel.len() / MOST_BEAMS + 1);
+        few.filter_map(|point| {
+            let laser = vector(facts.stations[point.view].stand?.laser);
+            Some(Line::new(laser, shown(point.place), palette.station_beam))
+        })
+        .collect()
     }
 
     /// What refraction does: from where each point would be without it to where it is.
     pub(super) fn displacements(&self, palette: &Palette) -> Vec<Line> {
-        let points = self.object.iter();
-        let few = points.step_by(self.object.len() / MOST_BEAMS + 1);
-        few.map(|p| Line::new(p.unrefracted, p.place, palette.displacement))
+        let few = self.every_so_many(MOST_BEAMS);
+        few.map(|(_, p)| Line::new(p.unrefracted, p.place, palette.displacement))
             .collect()
     }
 
     /// The slab of a section.
     pub(super) fn slab(&self, section: Section) -> Slab {
-        let (Some((facts, _)), Some(axis)) = (&self.measured, section.axis) else {
+        let (Some(Measured { facts, .. }), Some(axis)) = (&self.measured, section.axis) else {
             return Slab::ALL;
         };
         let (up, front) = (up(facts), self.front_direction());
@@ -168,19 +255,24 @@ impl Content {
             SectionAxis::Height => up,
             SectionAxis::Width => up.cross(front),
         };
-        Slab::of(section, normal, &self.extent())
+        Slab::of(section, normal, self.extent())
     }
 
     /// Error ellipsoids, so many times as large as they are; of very many points every so many-th.
     pub(super) fn ellipsoids(&self, magnified: f32) -> Vec<Line> {
         const MOST: usize = 400;
-        let Some((_, outcome)) = &self.measured else {
-            return Vec::new();
-        };
-        let points = outcome.object.iter().zip(&self.object);
-        let few = points.step_by(outcome.object.len() / MOST + 1);
+        let few = self.every_so_many(MOST);
         few.flat_map(|(of, seen)| ellipsoid(seen.place, of.covariance, magnified, seen.colour))
             .collect()
+    }
+
+    /// At most about so many of the object's points, evenly taken, as measured and as shown.
+    fn every_so_many(&self, most: usize) -> impl Iterator<Item = (&ObjectPoint, ScenePoint)> {
+        self.measured.iter().flat_map(move |measured| {
+            let points = &measured.outcome.object;
+            let few = (0..points.len()).step_by(points.len() / most + 1);
+            few.map(|index| (&points[index], measured.object_point(index)))
+        })
     }
 
     pub(super) fn wall_faces(&self, palette: &Palette) -> Vec<Face> {
@@ -194,31 +286,33 @@ impl Content {
 
     /// A ring around each point of the chosen view, and of those that are measured with.
     pub(super) fn rings(&self, palette: &Palette) -> Vec<ScenePoint> {
-        let ring = |point: &ScenePoint, colour| ScenePoint { colour, ..*point };
         let chosen = self
             .chosen
             .into_iter()
             .flat_map(|view| self.points_of(view));
-        let mut rings: Vec<_> = chosen.map(|point| ring(point, palette.marker)).collect();
+        let marked = |colour| move |point| ScenePoint { colour, ..point };
+        let mut rings: Vec<_> = chosen.map(marked(palette.marker)).collect();
         for (face, picked) in self.picked.iter().enumerate() {
             let points = picked
                 .iter()
-                .filter_map(|(view, index)| self.points_of(*view).get(*index));
-            rings.extend(points.map(|point| ring(point, palette.faces[face])));
+                .filter_map(|(view, index)| self.points_of(*view).nth(*index));
+            rings.extend(points.map(marked(palette.faces[face])));
         }
         rings
     }
 
     /// The object's points of a view.
-    fn points_of(&self, view: usize) -> &[ScenePoint] {
-        let views = self.measured.iter().flat_map(|(_, outcome)| &outcome.views);
-        let points = views.into_iter().nth(view).map(|view| view.points.clone());
-        points.map_or(&[], |points| &self.object[points])
+    fn points_of(&self, view: usize) -> impl Iterator<Item = ScenePoint> {
+        self.measured.iter().flat_map(move |measured| {
+            let view = measured.outcome.views.get(view);
+            let points = view.map_or(0..0, |view| view.points.clone());
+            points.map(|index| measured.object_point(index))
+        })
     }
 
     /// How large points are drawn, CSS px: of many each is small.
     pub(super) fn point_size(&self) -> f32 {
-        match self.object.len().max(self.vessel.len()) {
+        match self.counts().into_iter().max().unwrap_or_default() {
             0..3_000 => 9.0,
             3_000..30_000 => 5.0,
             _ => 3.0,
@@ -227,7 +321,7 @@ impl Content {
 
     /// The light of the chosen view, on the way from straight (0) to bent (1).
     pub(super) fn chosen_light(&self, palette: &Palette, refraction: f32) -> Vec<Line> {
-        let Some((_, outcome)) = &self.measured else {
+        let Some(Measured { outcome, .. }) = &self.measured else {
             return Vec::new();
         };
         let Some(chosen) = self.chosen.filter(|view| *view < outcome.views.len()) else {
@@ -262,28 +356,15 @@ impl Content {
 
     /// Where the rig stood, as far as that is known.
     fn stands(&self) -> impl Iterator<Item = &Stand> {
-        self.measured.iter().flat_map(|(facts, _)| stands(facts))
+        self.measured.iter().flat_map(|m| stands(&m.facts))
     }
 }
 
-fn scene_point(
-    (view, index): (usize, Option<usize>),
-    [place, unrefracted]: [Vec3; 2],
-    coloured: Option<([u8; 3], f32)>,
-    plain: [f32; 4],
-) -> ScenePoint {
-    let (colour, fraction) = match coloured {
-        Some((colour, fraction)) => (opaque(colour), fraction),
-        None => (plain, MIDDLE),
-    };
-    ScenePoint {
-        view,
-        index,
-        place,
-        unrefracted,
-        colour,
-        fraction,
-    }
+/// So many of a list's places, evenly taken, that a scene is known by them.
+fn some<T, P>(list: &[T], place: impl Fn(&T) -> P) -> Vec<P> {
+    const MOST: usize = 20_000;
+    let few = list.iter().step_by(list.len() / MOST + 1);
+    few.map(place).collect()
 }
 
 fn opaque(colour: [u8; 3]) -> [f32; 4] {

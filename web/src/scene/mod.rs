@@ -12,8 +12,10 @@ mod grid;
 mod labels;
 mod lines;
 mod orbit;
+mod pace;
 mod palette;
 mod patch;
+mod picture;
 mod points;
 mod section;
 mod stage;
@@ -24,6 +26,7 @@ use leptos::html;
 use leptos::prelude::*;
 use three_d::Vec2;
 use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::spawn_local;
 use web_sys::{HtmlCanvasElement, MediaQueryList, ResizeObserver};
 
 use self::content::Content;
@@ -47,18 +50,29 @@ pub(crate) fn Scene() -> impl IntoView {
     let missing = RwSignal::new(false);
     let frame = RwSignal::new(None);
 
+    let ready = RwSignal::new(false);
     Effect::new(move |_| {
         let (Some(canvas), Some(labels)) = (canvas.get(), labels.get()) else {
             return;
         };
-        match Stage::new(canvas.clone(), labels.into()) {
-            Ok(new) => {
-                attend(&canvas, &new, workbench, frame);
-                follow(&new, workbench);
-                stage.set_value(Some(new));
+        let owner = Owner::current();
+        spawn_local(async move {
+            let made = Stage::new(canvas.clone(), labels.into()).await;
+            let is_gone = stage.try_get_value().is_none();
+            match (made, owner) {
+                (Ok(new), _) if is_gone => new.close(),
+                (_, _) if is_gone => {}
+                (Ok(new), Some(owner)) => {
+                    owner.with(|| {
+                        attend(&canvas, &new, workbench, frame);
+                        follow(&new, workbench);
+                    });
+                    stage.set_value(Some(new));
+                }
+                _ => missing.set(true),
             }
-            Err(_) => missing.set(true),
-        }
+            ready.try_set(true);
+        });
     });
     on_cleanup(move || {
         if let Some(Some(stage)) = stage.try_get_value() {
@@ -76,6 +90,7 @@ pub(crate) fn Scene() -> impl IntoView {
                     data-testid="scene"
                     role="application"
                     tabindex="0"
+                    aria-busy=move || (!ready.get()).to_string()
                     aria-label="Scene in 3-D: the vessel's wall, the rig's stations and the object's points. \
                                 Arrow keys turn, Shift and arrow keys shift, plus and minus come nearer \
                                 and go away, F fits."

@@ -1,14 +1,22 @@
 //! Points: one GL point each, round, of a size in pixels, with a colour of its own. Each has two places,
 //! with and without refraction, and the graphics card goes from one to the other.
+//!
+//! A million points go to the card once, in batches, a few a frame. Each batch is an even sample of them all:
+//! what there is of it shows the whole, and while a hand turns the scene a part of the batches is enough.
+
+use std::rc::Rc;
 
 use three_d::context::POINTS;
 use three_d::{
-    Context, CoreError, DepthTest, HasContext, Mat4, Program, RenderStates, Vec2, Vec3, Vec4,
+    Context, CoreError, DepthTest, HasContext, Mat4, Program, RenderStates, Vec2, Vec3, Vector4,
     VertexBuffer, Viewport, WriteMask,
 };
 
 use super::blend::OVER;
 use super::section::Slab;
+
+/// How many points go to the card at a time.
+pub(super) const BATCH: usize = 16_384;
 
 /// A point to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,63 +59,113 @@ pub(super) struct PointStyle {
     pub(super) ring: bool,
 }
 
-/// Points in graphics memory.
-pub(super) struct Points {
+/// What draws points.
+pub(super) struct PointProgram {
     context: Context,
     program: Program,
-    places: VertexBuffer<Vec3>,
-    unrefracted: VertexBuffer<Vec3>,
-    colours: VertexBuffer<Vec4>,
-    fractions: VertexBuffer<f32>,
-    count: usize,
 }
 
-impl Points {
-    pub(super) fn new(context: &Context) -> Result<Self, CoreError> {
-        Ok(Self {
+impl PointProgram {
+    pub(super) fn new(context: &Context) -> Result<Rc<Self>, CoreError> {
+        Ok(Rc::new(Self {
             context: context.clone(),
             program: Program::from_source(
                 context,
                 include_str!("shaders/points.vert"),
                 include_str!("shaders/points.frag"),
             )?,
-            places: VertexBuffer::new(context),
-            unrefracted: VertexBuffer::new(context),
-            colours: VertexBuffer::new(context),
-            fractions: VertexBuffer::new(context),
+        }))
+    }
+}
+
+/// Points in graphics memory, and those that are still to go there.
+pub(super) struct Points {
+    with: Rc<PointProgram>,
+    batches: Vec<Batch>,
+    /// How many points there are to be.
+    count: usize,
+    /// How many batches have their colours as they are to be.
+    coloured: usize,
+}
+
+struct Batch {
+    places: VertexBuffer<Vec3>,
+    unrefracted: VertexBuffer<Vec3>,
+    colours: VertexBuffer<Vector4<u8>>,
+    fractions: VertexBuffer<f32>,
+    count: usize,
+}
+
+impl Points {
+    pub(super) const fn new(with: Rc<PointProgram>) -> Self {
+        Self {
+            with,
+            batches: Vec::new(),
             count: 0,
-        })
-    }
-
-    pub(super) fn fill(&mut self, points: &[ScenePoint]) {
-        let places: Vec<_> = points.iter().map(|p| p.place).collect();
-        let unrefracted: Vec<_> = points.iter().map(|p| p.unrefracted).collect();
-        let colours: Vec<_> = points.iter().map(|p| Vec4::from(p.colour)).collect();
-        let fractions: Vec<_> = points.iter().map(|p| p.fraction).collect();
-        self.fractions.fill(&fractions);
-        self.places.fill(&places);
-        self.unrefracted.fill(&unrefracted);
-        self.colours.fill(&colours);
-        self.count = points.len();
-    }
-
-    pub(super) fn draw(&self, matrix: Mat4, viewport: Viewport, style: PointStyle) {
-        if self.count == 0 {
-            return;
+            coloured: 0,
         }
-        let program = &self.program;
-        program.use_uniform("world_to_clip", matrix);
-        program.use_uniform("size", style.size);
-        program.use_uniform("rim", Vec3::from(style.rim));
-        program.use_uniform("refraction", style.refraction);
-        program.use_uniform("range", Vec2::from(style.range));
-        program.use_uniform("slab_normal", style.slab.normal);
-        program.use_uniform("slab", Vec2::from(style.slab.range));
-        program.use_uniform("ring", f32::from(u8::from(style.ring)));
-        program.use_vertex_attribute("place", &self.places);
-        program.use_vertex_attribute("unrefracted", &self.unrefracted);
-        program.use_vertex_attribute("colour", &self.colours);
-        program.use_vertex_attribute("fraction", &self.fractions);
+    }
+
+    /// Makes room for so many other points.
+    pub(super) fn clear(&mut self, count: usize) {
+        self.batches.clear();
+        self.count = count;
+        self.coloured = 0;
+    }
+
+    /// The points get other colours.
+    pub(super) const fn fade(&mut self) {
+        self.coloured = 0;
+    }
+
+    /// Whether all points are on the card as they are to be.
+    pub(super) fn is_filled(&self) -> bool {
+        self.coloured == self.wanted()
+    }
+
+    /// How many batches there are to be.
+    fn wanted(&self) -> usize {
+        self.count.div_ceil(BATCH)
+    }
+
+    /// Fills the next batch; `point` gives a point by its number.
+    pub(super) fn fill_next(&mut self, point: impl Fn(usize) -> Option<ScenePoint>) {
+        let (next, step) = (self.coloured, self.wanted());
+        let points: Vec<_> = (next..self.count)
+            .step_by(step.max(1))
+            .filter_map(point)
+            .collect();
+        if next == self.batches.len() {
+            let places: Vec<_> = points.iter().map(|p| p.place).collect();
+            let unrefracted: Vec<_> = points.iter().map(|p| p.unrefracted).collect();
+            let context = &self.with.context;
+            self.batches.push(Batch {
+                places: VertexBuffer::new_with_data(context, &places),
+                unrefracted: VertexBuffer::new_with_data(context, &unrefracted),
+                colours: VertexBuffer::new(context),
+                fractions: VertexBuffer::new(context),
+                count: points.len(),
+            });
+        }
+        let colours: Vec<_> = points.iter().map(|p| bytes(p.colour)).collect();
+        let fractions: Vec<_> = points.iter().map(|p| p.fraction).collect();
+        let batch = &mut self.batches[next];
+        batch.colours.fill(&colours);
+        batch.fractions.fill(&fractions);
+        self.coloured += 1;
+    }
+
+    /// Puts a few points in the place of those there were, at once.
+    pub(super) fn fill(&mut self, points: &[ScenePoint]) {
+        self.clear(points.len());
+        while !self.is_filled() {
+            self.fill_next(|index| points.get(index).copied());
+        }
+    }
+
+    /// Draws the points, or of too many an even sample of about `most`.
+    pub(super) fn draw(&self, matrix: Mat4, viewport: Viewport, style: PointStyle, most: usize) {
+        let program = &self.with.program;
         let states = RenderStates {
             blend: OVER,
             depth_test: if style.ring {
@@ -122,10 +180,31 @@ impl Points {
             },
             ..Default::default()
         };
-        program.draw_with(states, viewport, || {
-            // SAFETY: `draw_with` has bound the program, and every attribute holds `count` values.
-            // three-d itself draws triangles only, so points have to go past it.
-            unsafe { self.context.draw_arrays(POINTS, 0, self.count as i32) }
-        });
+        for batch in self.batches.iter().take(most.div_ceil(BATCH).max(1)) {
+            program.use_uniform("world_to_clip", matrix);
+            program.use_uniform("size", style.size);
+            program.use_uniform("rim", Vec3::from(style.rim));
+            program.use_uniform("refraction", style.refraction);
+            program.use_uniform("range", Vec2::from(style.range));
+            program.use_uniform("slab_normal", style.slab.normal);
+            program.use_uniform("slab", Vec2::from(style.slab.range));
+            program.use_uniform("ring", f32::from(u8::from(style.ring)));
+            program.use_vertex_attribute("place", &batch.places);
+            program.use_vertex_attribute("unrefracted", &batch.unrefracted);
+            program.use_vertex_attribute("colour", &batch.colours);
+            program.use_vertex_attribute("fraction", &batch.fractions);
+            program.draw_with(states, viewport, || {
+                // SAFETY: `draw_with` has bound the program, and every attribute holds `count` values.
+                // three-d itself draws triangles only, so points have to go past it.
+                unsafe {
+                    self.with.context.draw_arrays(POINTS, 0, batch.count as i32);
+                }
+            });
+        }
     }
+}
+
+/// A colour as bytes: a quarter of the memory, and as many shades as a screen has.
+fn bytes(colour: [f32; 4]) -> Vector4<u8> {
+    Vector4::from(colour.map(|part| (part * 255.0).round() as u8))
 }

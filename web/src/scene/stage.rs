@@ -15,13 +15,16 @@ use web_sys::{
 use super::content::Content;
 use super::faces::Faces;
 use super::labels::Labels;
-use super::lines::Lines;
+use super::lines::{LineProgram, Lines};
 use super::orbit::Orbit;
+use super::pace::Pace;
 use super::palette::Palette;
-use super::points::{PointStyle, Points, ScenePoint};
+use super::picture::with_legend;
+use super::points::{PointProgram, PointStyle, Points, ScenePoint};
 use super::section::Slab;
 use crate::files::save_blob;
 use crate::measuring::Picked;
+use crate::run::{now, sleep};
 use crate::state::{Look, Section};
 
 /// Why there is no stage.
@@ -59,6 +62,8 @@ struct Inner {
     fitted: Cell<Option<Subject>>,
     frame_asked_for: Cell<bool>,
     last_frame: Cell<f64>,
+    /// How many points it draws while it is in motion.
+    pace: Pace,
     on_frame: RefCell<Option<FrameListener>>,
 }
 
@@ -78,29 +83,90 @@ struct Set {
     object: Points,
     vessel: Points,
     marker: Points,
-    solid: Lines,
-    faint: Lines,
+    stations: Lines,
+    grid: Lines,
+    edges: Lines,
+    beams: Lines,
     displacements: Lines,
     chosen_light: Lines,
     ellipsoids: Lines,
     wall: Faces,
+    /// How far refraction went when the chosen light was bent; nothing, and it is another one by now.
+    light_at: Option<f32>,
+}
+
+impl Set {
+    /// Draws rings around what is chosen or picked, and the light of the chosen view, anew.
+    fn mark(&mut self) {
+        self.marker.fill(&self.content.rings(&self.palette));
+        self.light_at = None;
+    }
+
+    /// Bends the chosen view's light as far as refraction goes.
+    fn bend(&mut self, refraction: f32) {
+        if self.light_at.replace(refraction) != Some(refraction) {
+            let light = self.content.chosen_light(&self.palette, refraction);
+            self.chosen_light.fill(&light);
+        }
+    }
+
+    /// Has points go to the card for some milliseconds; true while there are more.
+    fn fill_some(&mut self) -> bool {
+        const MILLISECONDS: f64 = 6.0;
+        let begun = now();
+        let Self {
+            object,
+            vessel,
+            content,
+            ..
+        } = self;
+        while now() - begun < MILLISECONDS {
+            // By turns: neither waits for the other.
+            if !object.is_filled() {
+                object.fill_next(|index| content.object_point(index));
+            }
+            if !vessel.is_filled() {
+                vessel.fill_next(|index| content.vessel_point(index));
+            }
+            if object.is_filled() && vessel.is_filled() {
+                return false;
+            }
+        }
+        true
+    }
 }
 
 impl Stage {
-    pub(super) fn new(canvas: HtmlCanvasElement, labels: HtmlElement) -> Result<Self, NoStage> {
+    /// Each of its steps may take the graphics card long, so each is a task of its own.
+    pub(super) async fn new(
+        canvas: HtmlCanvasElement,
+        labels: HtmlElement,
+    ) -> Result<Self, NoStage> {
         let context = graphics(&canvas)?;
+        sleep(0).await;
+        let points = PointProgram::new(&context)?;
+        sleep(0).await;
+        let lines = LineProgram::new(&context)?;
+        sleep(0).await;
+        let wall = Faces::new(&context)?;
+        sleep(0).await;
+        let points = || Points::new(Rc::clone(&points));
+        let lines = || Lines::new(&lines);
         let set = Set {
             content: Content::default(),
             palette: Palette::of_the_system(),
-            object: Points::new(&context)?,
-            vessel: Points::new(&context)?,
-            marker: Points::new(&context)?,
-            solid: Lines::new(&context)?,
-            faint: Lines::new(&context)?,
-            displacements: Lines::new(&context)?,
-            chosen_light: Lines::new(&context)?,
-            ellipsoids: Lines::new(&context)?,
-            wall: Faces::new(&context)?,
+            object: points(),
+            vessel: points(),
+            marker: points(),
+            stations: lines(),
+            grid: lines(),
+            edges: lines(),
+            beams: lines(),
+            displacements: lines(),
+            chosen_light: lines(),
+            ellipsoids: lines(),
+            wall,
+            light_at: None,
         };
         let stage = Self(Rc::new(Inner {
             canvas,
@@ -115,6 +181,7 @@ impl Stage {
             fitted: Cell::new(None),
             frame_asked_for: Cell::new(false),
             last_frame: Cell::new(0.0),
+            pace: Pace::default(),
             on_frame: RefCell::new(None),
         }));
         let handle = stage.clone();
@@ -135,14 +202,22 @@ impl Stage {
         }
     }
 
-    /// Puts other things on the stage.
+    /// Puts other things on the stage. Points follow in the frames to come.
     pub(super) fn show(&self, content: Content) {
         let set = &mut *self.0.set.borrow_mut();
         let palette = Palette::of_the_system();
-        set.object.fill(&content.object);
-        set.vessel.fill(&content.vessel);
-        set.solid.fill(&content.solid_lines(&palette));
-        set.faint.fill(&content.faint_lines(&palette));
+        if content.has_points_of(&set.content) {
+            set.object.fade();
+            set.vessel.fade();
+        } else {
+            let [object, vessel] = content.counts();
+            set.object.clear(object);
+            set.vessel.clear(vessel);
+        }
+        set.stations.fill(&content.station_lines(&palette));
+        set.grid.fill(&content.grid_lines(&palette));
+        set.edges.fill(&content.wall_edges(&palette));
+        set.beams.fill(&content.beams(&palette));
         set.displacements.fill(&content.displacements(&palette));
         set.wall.fill(&content.wall_faces(&palette));
         self.0.labels.fill(content.labels());
@@ -150,18 +225,23 @@ impl Stage {
         set.palette = palette;
         set.content = content;
         set.content.picked = picked;
+        set.mark();
         self.draw_soon();
     }
 
     /// Marks a view's point and draws its light.
     pub(super) fn choose(&self, view: Option<usize>) {
-        self.0.set.borrow_mut().content.chosen = view;
+        let set = &mut *self.0.set.borrow_mut();
+        set.content.chosen = view;
+        set.mark();
         self.draw_soon();
     }
 
     /// Rings the points that are measured with.
     pub(super) fn pick(&self, picked: [Vec<Picked>; 2]) {
-        self.0.set.borrow_mut().content.picked = picked;
+        let set = &mut *self.0.set.borrow_mut();
+        set.content.picked = picked;
+        set.mark();
         self.draw_soon();
     }
 
@@ -181,6 +261,12 @@ impl Stage {
         let mut orbit = self.0.orbit.get();
         change(&mut orbit);
         self.0.orbit.set(orbit);
+        self.moves();
+    }
+
+    /// Draws something that is in motion.
+    fn moves(&self) {
+        self.0.pace.moves();
         self.draw_soon();
     }
 
@@ -201,14 +287,14 @@ impl Stage {
     /// Hides points beyond these fractions of the colours.
     pub(super) fn hide_beyond(&self, range: [f32; 2]) {
         self.0.range.set(range);
-        self.draw_soon();
+        self.moves();
     }
 
     /// Shows a slab only.
     pub(super) fn cut(&self, section: Section) {
         let slab = self.0.set.borrow().content.slab(section);
         self.0.slab.set(slab);
-        self.draw_soon();
+        self.moves();
     }
 
     /// Draws error ellipsoids, so many times as large as they are, or none.
@@ -219,7 +305,7 @@ impl Stage {
         self.draw_soon();
     }
 
-    /// Saves what is seen as `scene.png`; `then` is told how that went.
+    /// Saves what is seen as `scene.png`, with the legend of its colours; `then` is told how that went.
     pub(super) fn save_picture(
         &self,
         transparent: bool,
@@ -227,12 +313,17 @@ impl Stage {
     ) {
         // The browser takes the picture as it is when it is asked, before anything else is drawn.
         self.match_resolution();
-        self.draw(transparent);
+        self.draw(transparent, usize::MAX);
+        let picture = match self.0.set.borrow().content.scale() {
+            Some(scale) => with_legend(&self.0.canvas, self.css_size(), scale),
+            None => Ok(self.0.canvas.clone()),
+        };
         let taken = Closure::once_into_js(move |picture: Option<Blob>| {
             let picture = picture.ok_or_else(|| JsValue::from("the canvas is empty"));
             then(picture.and_then(|picture| save_blob(&picture, "scene.png")));
         });
-        if let Err(error) = self.0.canvas.to_blob(taken.unchecked_ref()) {
+        let asked = picture.and_then(|picture| picture.to_blob(taken.unchecked_ref()));
+        if let Err(error) = asked {
             web_sys::console::warn_1(&error);
         }
         self.draw_soon();
@@ -260,7 +351,7 @@ impl Stage {
         let places = {
             let content = &self.0.set.borrow().content;
             match subject {
-                Subject::Measured => content.extent(),
+                Subject::Measured => content.extent().to_vec(),
                 Subject::WholeSetUp => content.whole_extent(),
             }
         };
@@ -272,45 +363,46 @@ impl Stage {
     /// The point of object or wall that is nearest to a place of the canvas (CSS px), if one is near.
     pub(super) fn point_at(&self, place: Vec2) -> Option<ScenePoint> {
         const REACH: f32 = 14.0;
-        let near = |(at, point): (Vec2, ScenePoint)| {
+        let mut nearest = None;
+        let mut reach = REACH;
+        self.for_seen_points(|at, point| {
             let distance = (at - place).magnitude();
-            (distance <= REACH).then_some((distance, point))
-        };
-        let points = self.seen_points().into_iter().filter_map(near);
-        points
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, point)| point)
+            if distance <= reach {
+                (nearest, reach) = (Some(point), distance);
+            }
+        });
+        nearest
     }
 
     /// The points between two corners of the canvas (CSS px).
     pub(super) fn points_within(&self, [one, other]: [Vec2; 2]) -> Vec<ScenePoint> {
         let between = |at: f32, a: f32, b: f32| (a.min(b)..=a.max(b)).contains(&at);
-        let points = self.seen_points().into_iter();
-        points
-            .filter(|(at, _)| between(at.x, one.x, other.x) && between(at.y, one.y, other.y))
-            .map(|(_, point)| point)
-            .collect()
+        let mut within = Vec::new();
+        self.for_seen_points(|at, point| {
+            if between(at.x, one.x, other.x) && between(at.y, one.y, other.y) {
+                within.push(point);
+            }
+        });
+        within
     }
 
-    /// All points that are not hidden, with their places on the canvas (CSS px).
-    fn seen_points(&self) -> Vec<(Vec2, ScenePoint)> {
+    /// Goes through the points that are not hidden, with their places on the canvas (CSS px).
+    fn for_seen_points(&self, mut see: impl FnMut(Vec2, ScenePoint)) {
         let size = self.css_size();
         let camera = self.0.orbit.get().camera(self.viewport());
         let matrix = camera.projection() * camera.view();
         let refraction = smooth(self.0.refraction.get());
         let ([low, high], slab) = (self.0.range.get(), self.0.slab.get());
-        let place = |point: &ScenePoint| {
-            let clip = matrix * point.between(refraction).extend(1.0);
-            let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
-            let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
-            (clip.w > 0.0).then_some((Vec2::new(x, y), *point))
-        };
-        let content = &self.0.set.borrow().content;
-        let points = content.object.iter().chain(&content.vessel);
-        points
-            .filter(|p| (low..=high).contains(&p.fraction) && slab.holds(p.between(refraction)))
-            .filter_map(place)
-            .collect()
+        for point in self.0.set.borrow().content.points() {
+            let place = point.between(refraction);
+            let clip = matrix * place.extend(1.0);
+            let shown = (low..=high).contains(&point.fraction) && slab.holds(place);
+            if shown && clip.w > 0.0 {
+                let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+                let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
+                see(Vec2::new(x, y), point);
+            }
+        }
     }
 
     /// The canvas's size, CSS px.
@@ -343,13 +435,17 @@ impl Stage {
 
     fn frame(&self, time: f64) {
         self.0.frame_asked_for.set(false);
-        let moving = self.step_refraction(time);
+        let bending = self.step_refraction(time);
+        let filling = self.0.set.borrow_mut().fill_some();
         self.match_resolution();
-        self.draw(false);
-        if moving {
-            self.draw_soon();
-        } else {
+        let points = self.0.set.borrow().content.counts().iter().sum();
+        self.draw(false, self.0.pace.points(time, points));
+        if !bending {
             self.0.last_frame.set(0.0);
+        }
+        // In motion too few points may have been drawn: once it is over, all are.
+        if bending || filling || self.0.pace.is_behind(points) {
+            self.draw_soon();
         }
     }
 
@@ -387,7 +483,7 @@ impl Stage {
         }
     }
 
-    fn draw(&self, transparent: bool) {
+    fn draw(&self, transparent: bool, most: usize) {
         let viewport = self.viewport();
         let camera = self.0.orbit.get().camera(viewport);
         let matrix = camera.projection() * camera.view();
@@ -395,9 +491,7 @@ impl Stage {
         let refraction = smooth(self.0.refraction.get());
         let set = &mut *self.0.set.borrow_mut();
         let palette = set.palette;
-        set.marker.fill(&set.content.rings(&palette));
-        set.chosen_light
-            .fill(&set.content.chosen_light(&palette, refraction));
+        set.bend(refraction);
 
         let large = set.content.point_size();
         let (object_size, vessel_size) = if set.content.about_wall {
@@ -405,12 +499,13 @@ impl Stage {
         } else {
             (large, 0.5 * large)
         };
+        let slab = self.0.slab.get();
         let object = PointStyle {
             size: object_size * scale,
             rim: palette.rim,
             refraction,
             range: self.0.range.get(),
-            slab: self.0.slab.get(),
+            slab,
             ring: false,
         };
         let vessel = PointStyle {
@@ -430,18 +525,21 @@ impl Stage {
             ClearState::color_and_depth(red, green, blue, 1.0, 1.0)
         });
         let drawn: Result<_, CoreError> = target.write(|| {
-            set.object.draw(matrix, viewport, object);
-            set.vessel.draw(matrix, viewport, vessel);
-            set.solid.draw(matrix, viewport, 1.25 * scale);
-            set.chosen_light.draw(matrix, viewport, 2.25 * scale);
+            let (object_most, vessel_most) = shares(set.content.counts(), most);
+            set.object.draw(matrix, viewport, object, object_most);
+            set.vessel.draw(matrix, viewport, vessel, vessel_most);
+            set.stations.draw(matrix, viewport, 1.25 * scale, Slab::ALL);
+            set.edges.draw(matrix, viewport, 1.25 * scale, slab);
+            set.chosen_light.draw(matrix, viewport, 2.25 * scale, slab);
             if refraction < 1.0 {
-                set.displacements.draw(matrix, viewport, 1.0 * scale);
+                set.displacements.draw(matrix, viewport, 1.0 * scale, slab);
             } else {
-                set.ellipsoids.draw(matrix, viewport, 1.0 * scale);
+                set.ellipsoids.draw(matrix, viewport, 1.0 * scale, slab);
             }
-            set.wall.draw(matrix, viewport, self.0.slab.get());
-            set.faint.draw(matrix, viewport, 1.0 * scale);
-            set.marker.draw(matrix, viewport, marker);
+            set.wall.draw(matrix, viewport, slab);
+            set.grid.draw(matrix, viewport, 1.0 * scale, Slab::ALL);
+            set.beams.draw(matrix, viewport, 1.0 * scale, slab);
+            set.marker.draw(matrix, viewport, marker, usize::MAX);
             Ok(())
         });
         if let Err(error) = drawn {
@@ -449,6 +547,17 @@ impl Stage {
         }
         self.0.labels.place(matrix, self.css_size());
     }
+}
+
+/// How many of object and wall are drawn of so many together.
+fn shares([object, vessel]: [usize; 2], most: usize) -> (usize, usize) {
+    let all = object + vessel;
+    if most >= all {
+        return (object, vessel);
+    }
+    let share = most as f64 / all.max(1) as f64;
+    let part = |count: usize| (count as f64 * share) as usize;
+    (part(object), part(vessel))
 }
 
 /// Slow at both ends.

@@ -71,8 +71,7 @@ impl Record {
         }
     }
 
-    /// Whether its archive is so large that no copy is kept: writing one takes minutes, and as much of the
-    /// disk again.
+    /// Whether its archive is so large that no copy is kept, which would be as much of the disk again.
     pub(crate) fn is_too_large(&self) -> bool {
         const LARGE: f64 = 1e9;
         self.archive_bytes.is_some_and(|bytes| bytes > LARGE)

@@ -232,6 +232,7 @@ fn go_on(workbench: Workbench, id: String, archive_again: NodeRef<html::Input>) 
         match kept(&id).await {
             Ok((session, record, Some(archive))) => {
                 let found = session.found().await;
+                workbench.comes_by_address(false);
                 workbench.go_on(archive, record, found, Some(session));
             }
             Ok((_, _, None)) => {

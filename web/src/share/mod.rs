@@ -8,7 +8,7 @@ mod source;
 
 use leptos::prelude::*;
 
-pub(crate) use address::follow as follow_address;
+pub(crate) use address::{follow as follow_address, forget as forget_address};
 pub(crate) use arrival::open_file;
 
 use self::link::LinkMaker;

@@ -6,12 +6,12 @@ uniform vec3 slab_normal;
 uniform vec2 slab;
 in vec3 place;
 in vec3 unrefracted;
-in vec4 colour;
+in uvec4 colour;
 in float fraction;
 out vec4 body;
 
 void main() {
-    body = colour;
+    body = vec4(colour) / 255.0;
     vec3 here = mix(unrefracted, place, refraction);
     float along = dot(slab_normal, here);
     gl_Position = world_to_clip * vec4(here, 1.0);
