@@ -87,7 +87,7 @@ impl Grain {
     ///
     /// That is more than its likeliest value, for few samples say more often that a variance is small than
     /// that it is large: with n of them the mean is n / (n - 2) as large (the scaled inverse chi-squared
-    /// distribution). Here at most a standard deviation is added.
+    /// distribution). Where the samples hardly show a grain there may be none, and nothing is added.
     pub(crate) fn expected_with(&self, other: &Self) -> f64 {
         let both = [self, other];
         let mut g = f64::midpoint(self.value, other.value);
@@ -104,6 +104,6 @@ impl Grain {
             g = sum / information;
         }
         let variance = 1.0 / information;
-        g + (variance / g).min(variance.sqrt())
+        g + variance * g / (g * g + variance)
     }
 }
