@@ -35,6 +35,9 @@ fn errors(scan: &Scan, spots: &[Spots], truth: &Truth) -> Errors {
 /// of them beforehand (q (1 - q) = 0.16 +- 0.06).
 const INNER_FACE: [f64; 4] = [56.0, 103.0, 153.0, 275.0];
 
+/// The contrast of grains a pixel wide.
+const SPECKLE: f64 = 0.18;
+
 /// Over scans that differ in noise, speckle and the inner face's glow: at most `factor` times the error that
 /// the true wall gives, and at least `share` of the points. Gives the share of coordinates within two
 /// standard deviations.
@@ -45,7 +48,7 @@ fn assert_recovered(scene: &Scene, factor: f64, share: f64) -> f64 {
         let mut scene = scene.clone();
         scene.seed = seed;
         scene.brightness.inner_face = inner_face;
-        scene.beam.speckle = 0.5;
+        scene.beam.speckle = SPECKLE;
         let wall = Simulation::new(scene.clone()).unwrap().wall().clone();
         let simulated = simulate(scene);
         let mut archive = Archive::open(Cursor::new(&simulated.archive[..])).unwrap();

@@ -64,7 +64,7 @@ impl Sights {
                 view,
                 pixel: point.pixel,
                 glow_offset: point.glow_offset,
-                covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain)
+                covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain.value)
                     + floor,
             })
         });

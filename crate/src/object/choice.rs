@@ -245,18 +245,17 @@ fn insist(candidates: &[Vec<Candidate>], spots: &[Spots], choices: &mut [Choice]
     }
 }
 
-/// The grain of laser light as the chosen spots show it (see [`Spot::covariance_with`]); where they are
-/// too few, that of the wall's spots.
+/// The grain of laser light as the chosen spots and the wall's show it together; where the former are too
+/// few, as the wall's do.
 pub fn object_grain(setup: &Setup, choices: &[Choice]) -> f64 {
-    grain::estimate(choices, &sweeps(setup.stations)).unwrap_or(setup.vessel.grain)
+    let own = grain::estimate(choices, &sweeps(setup.stations));
+    let of_wall = setup.vessel.grain;
+    own.unwrap_or(of_wall).expected_with(&of_wall)
 }
 
-/// Puts the grain that the object's own spots show into their points' standard deviations, where there
-/// are enough of them to show it.
+/// Puts the grain that the chosen spots show into their points' standard deviations.
 fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {
-    let Some(grain) = grain::estimate(choices, &sweeps(setup.stations)) else {
-        return;
-    };
+    let grain = object_grain(setup, choices);
     for (view, choice) in choices.iter_mut().enumerate() {
         for point in &mut choice.points {
             let spot = &spots[view].spots[point.spot];
@@ -308,7 +307,8 @@ pub(super) fn examine(
     if depth.is_nan() || depth < settings.nearest {
         return Err(Refusal::BeforeInnerFace { depth });
     }
-    let noise = noise(setup, station, spot, setup.vessel.grain).map_err(Refusal::NoMeeting)?;
+    let noise =
+        noise(setup, station, spot, setup.vessel.grain.value).map_err(Refusal::NoMeeting)?;
     Ok((meeting, noise))
 }
 

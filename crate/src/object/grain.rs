@@ -1,29 +1,22 @@
-//! The grain of laser light as the object's own spots show it.
+//! The grain of laser light (see [`crate::spots::Grain`]) as the object's own spots show it.
 //!
-//! The wall's spots tell the grain on glass; the object's surface may be rougher. The ray distance of a
-//! view is noise and what calibration does, and the latter hardly changes from one station to the next of
-//! a sweep. So the differences of neighbours show the noise alone (J. von Neumann, 1941):
+//! The ray distance of a view is noise and what calibration does, and the latter hardly changes from one
+//! station to the next of a sweep. So the differences of neighbours show the noise alone (J. von Neumann,
+//! 1941):
 //!
 //! ```text
 //! variance of (gap_j - gap_i) = camera_i + camera_j + g (unit_i + unit_j)
 //! ```
 
 use super::Choice;
+use crate::spots::{Grain, GrainSample};
 
-/// Two neighbouring views.
-#[derive(Clone, Copy)]
-struct Neighbours {
-    /// Square of the difference of their gaps, mm^2.
-    square: f64,
-    /// What the camera's noise makes of it, mm^2.
-    camera: f64,
-    /// What one unit of grain adds, mm^2.
-    unit: f64,
-}
-
-/// Estimates g from the chosen points; `sweep_of` gives each view's sweep. `None` for too few neighbours.
-pub(super) fn estimate(choices: &[Choice], sweep_of: &[usize]) -> Option<f64> {
+/// Estimates the grain from the chosen points; `sweep_of` gives each view's sweep. `None` for too few
+/// neighbours.
+pub(super) fn estimate(choices: &[Choice], sweep_of: &[usize]) -> Option<Grain> {
     const LEAST: usize = 8;
+    /// Neighbouring differences share a view: they say two thirds of what as many samples of their own would.
+    const OWN: f64 = 2.0 / 3.0;
     const CLIP: f64 = 16.0;
     let all = neighbours(choices, sweep_of);
     let mut kept = all.clone();
@@ -31,21 +24,15 @@ pub(super) fn estimate(choices: &[Choice], sweep_of: &[usize]) -> Option<f64> {
         if kept.len() < LEAST {
             return None;
         }
-        let grain = excess(&kept);
+        let grain = Grain::of(&kept, OWN).value;
         // A wrong spot, or an edge of the object, would count for all others.
-        let usual = |n: &Neighbours| n.square <= CLIP * (n.camera + grain * n.unit);
+        let usual = |s: &GrainSample| s.square <= CLIP * (s.camera + grain * s.unit);
         kept = all.iter().copied().filter(usual).collect();
     }
-    (kept.len() >= LEAST).then(|| excess(&kept))
+    (kept.len() >= LEAST).then(|| Grain::of(&kept, OWN))
 }
 
-fn excess(pairs: &[Neighbours]) -> f64 {
-    let over: f64 = pairs.iter().map(|n| n.square - n.camera).sum();
-    let unit: f64 = pairs.iter().map(|n| n.unit).sum();
-    (over / unit).max(0.0)
-}
-
-fn neighbours(choices: &[Choice], sweep_of: &[usize]) -> Vec<Neighbours> {
+fn neighbours(choices: &[Choice], sweep_of: &[usize]) -> Vec<GrainSample> {
     let sweeps = sweep_of.iter().max().map_or(0, |last| last + 1);
     let mut before: Vec<Option<usize>> = vec![None; sweeps];
     let mut pairs = Vec::new();
@@ -58,7 +45,7 @@ fn neighbours(choices: &[Choice], sweep_of: &[usize]) -> Vec<Neighbours> {
             continue;
         };
         let difference = here.meeting.gap() - there.meeting.gap();
-        pairs.push(Neighbours {
+        pairs.push(GrainSample {
             square: difference * difference,
             camera: here.noise.gap_camera + there.noise.gap_camera,
             unit: here.noise.gap_grain + there.noise.gap_grain,

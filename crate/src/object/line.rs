@@ -245,7 +245,7 @@ impl Light<'_> {
             |step: f64| crossing(&ray, &self.sight(stack, line.profiles.moved(pixel, step))?);
         let by_place = Slope::between(&seen(PIXEL_STEP)?, &seen(-PIXEL_STEP)?, PIXEL_STEP);
         let by_place = by_place.following(&by_angle);
-        let variance = spot.variance_along(line.profiles, self.setup.vessel.grain);
+        let variance = spot.variance_along(line.profiles, self.setup.vessel.grain.value);
         let wall = match wall_part.near(candidate) {
             Some(known) => known,
             None => {

@@ -110,7 +110,7 @@ pub fn noise(
     let grainy = spot.covariance_with(grain);
     let (of_spot, gap) = propagated(&by_pixel, |i, j| grainy[(i, j)]);
     let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(movers[i], movers[j])]);
-    let unit_of_grain = spot.covariance_with(1.0) - camera;
+    let unit_of_grain = spot.grain_covariance();
     Ok(Noise {
         covariance: of_spot + of_wall,
         gap: (gap + wall_gap).sqrt(),

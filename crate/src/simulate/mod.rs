@@ -13,6 +13,7 @@ mod shapes;
 mod truth;
 
 pub use ghosts::{Ghost, GhostKind, Ghosts};
+pub use render::Exposure;
 pub use scene::{
     Ambient, BeamProfile, Brightness, CalibrationError, PictureNoise, Relief, Scene, SceneError,
     SceneFarWall, SceneMedia, SceneObject, Sweep, Turntable, Vessel,
@@ -29,7 +30,6 @@ use crate::rig::{Laser, Rig, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
 use noise::Grains;
-use render::Exposure;
 
 /// A scene ready to be photographed.
 #[derive(Clone, Debug)]
@@ -141,8 +141,16 @@ impl Simulation {
 
     /// Takes the two pictures of a view.
     pub fn pictures(&self, view: usize) -> PicturePair {
-        let station = &self.scan.stations[view];
-        let dark = render::ambient(self, &station.world_from_camera);
+        self.pictures_by(&self.room_light(view), view)
+    }
+
+    /// A view by the light of the room alone, which is the same for every seed.
+    pub fn room_light(&self, view: usize) -> Exposure {
+        render::ambient(self, &self.scan.stations[view].world_from_camera)
+    }
+
+    /// As [`Self::pictures`], with the light of the room worked out before.
+    pub fn pictures_by(&self, dark: &Exposure, view: usize) -> PicturePair {
         let mut lit = dark.clone();
         self.add_laser(view, &mut lit);
         PicturePair {
@@ -274,13 +282,22 @@ impl Simulation {
     }
 
     fn add_beam(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
+        if self.scene.beam.speckle == 0.0 {
+            return self.draw_spots(view, beam, exposure);
+        }
+        let mut spots = exposure.unlit();
+        self.draw_spots(view, beam, &mut spots);
+        spots.speckle(&mut Grains::of(&self.scene, view));
+        exposure.add(&spots);
+    }
+
+    fn draw_spots(&self, view: usize, beam: &Ray<Camera>, exposure: &mut Exposure) {
         let brightness = &self.scene.brightness;
         let false_light = ghosts::of(self, view);
         let on_object = match false_light.object_hidden {
             true => 0.0,
             false => brightness.object,
         };
-        let mut grains = Grains::of(&self.scene, view);
         for (ray, share) in self.scene.beam.rays(beam) {
             let landing = self.landing(view, &ray);
             let glows = [
@@ -300,8 +317,7 @@ impl Simulation {
             for (point, faces, light) in spots.filter(|(.., light)| *light > 0.0) {
                 let pixel = point.and_then(|point| self.seen(view, point, faces));
                 if let Some(pixel) = pixel {
-                    let light = share * light * grains.next();
-                    exposure.add_spot(pixel, self.scene.beam.blur, light);
+                    exposure.add_spot(pixel, self.scene.beam.blur, share * light);
                 }
             }
         }

@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
 
-use super::noise::Normal;
+use super::noise::{Grains, Normal};
 use super::{INNER, PictureNoise, Simulation, shapes};
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Point, Pose, Ray, World};
@@ -10,7 +10,7 @@ use crate::scan::{InsideMedium, Picture};
 
 /// Light on the sensor, grey values, before noise and rounding.
 #[derive(Clone, Debug)]
-pub(super) struct Exposure {
+pub struct Exposure {
     width: usize,
     height: usize,
     light: Vec<f32>,
@@ -32,6 +32,28 @@ impl Exposure {
                 let fall = libm::exp(-0.5 * (du * du + dv * dv) / (sigma * sigma));
                 self.light[y * self.width + x] += (peak * fall) as f32;
             }
+        }
+    }
+
+    /// Makes light grainy: each pixel's is that of the next grain.
+    pub(super) fn speckle(&mut self, grains: &mut Grains) {
+        for light in self.light.iter_mut().filter(|light| **light > 0.0) {
+            *light *= grains.next() as f32;
+        }
+    }
+
+    /// Adds other light.
+    pub(super) fn add(&mut self, other: &Self) {
+        for (light, more) in self.light.iter_mut().zip(&other.light) {
+            *light += more;
+        }
+    }
+
+    /// A sensor of the same size that no light falls on.
+    pub(super) fn unlit(&self) -> Self {
+        Self {
+            light: vec![0.0; self.light.len()],
+            ..*self
         }
     }
 

@@ -246,7 +246,7 @@ pub struct BeamProfile {
     /// Standard deviation of the lens's blur, px.
     pub blur: f64,
     /// Contrast of the speckle of a beam's spots: the standard deviation of a grain's light over its mean, 1
-    /// for fully developed speckle. Grains are 0.6 `sigma` wide.
+    /// for fully developed speckle. Grains are a pixel wide, as the lens makes them whatever they lie on.
     pub speckle: f64,
 }
 

@@ -6,11 +6,14 @@
 //! and nothing is lost by resampling.
 
 mod difference;
+mod grain;
 mod line;
 mod noise;
 mod regions;
 
 pub use difference::Difference;
+pub use grain::Grain;
+pub(crate) use grain::GrainSample;
 pub use line::{Curve, Line, find_line};
 pub use noise::Noise;
 
@@ -82,11 +85,23 @@ impl Spot {
         Matrix2::new(uu, uv, uv, vv)
     }
 
-    /// The centroid's covariance, px^2, with what the grain of laser light adds: `grain` times the spot's
-    /// second moments.
-    pub fn covariance_with(&self, grain: f64) -> Matrix2<f64> {
+    /// What a unit of grain adds to the centroid's covariance, px^2 (see [`Grain`]).
+    ///
+    /// A point of a line has no extent along it: there the unit is the second moment across.
+    pub fn grain_covariance(&self) -> Matrix2<f64> {
         let [uu, uv, vv] = self.shape;
-        self.covariance_matrix() + Matrix2::new(uu, uv, uv, vv) * grain
+        let determinant = uu * vv - uv * uv;
+        let area = if determinant > 0.0 {
+            determinant.sqrt()
+        } else {
+            1.0
+        };
+        Matrix2::new(uu, uv, uv, vv) / area
+    }
+
+    /// The centroid's covariance, px^2, with what the grain of laser light adds.
+    pub fn covariance_with(&self, grain: f64) -> Matrix2<f64> {
+        self.covariance_matrix() + self.grain_covariance() * grain
     }
 
     /// The variance of the place in a profile, px^2, with what the grain adds.

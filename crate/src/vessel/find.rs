@@ -13,7 +13,7 @@ use crate::optics::{Media, Surface};
 use crate::rig::{CalibrationSigma, Laser, Rig};
 use crate::robust;
 use crate::scan::{Scan, Station, VesselShape};
-use crate::spots::{Spot, Spots};
+use crate::spots::{Grain, Spot, Spots};
 
 /// How the wall is found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,9 +72,8 @@ pub struct VesselFit {
     pub points: Vec<Vec<VesselPoint>>,
     /// Root mean square residual of the points, mm.
     pub rms: f64,
-    /// The grain of the laser's light: the variance of a centroid is the camera's noise and this part of
-    /// the spot's second moments.
-    pub grain: f64,
+    /// The grain of the laser's light.
+    pub grain: Grain,
     /// What the spots say of the wall's two glows.
     pub glows: Option<Glows>,
     /// What `auto` decided between.
@@ -328,9 +327,9 @@ impl Finder<'_> {
     }
 
     /// Estimates the grain of the laser's light and counts it into the picks' standard deviations.
-    fn add_grain(&self, picks: &mut [Pick]) -> f64 {
+    fn add_grain(&self, picks: &mut [Pick]) -> Grain {
         let Some(line) = self.rig.epipolar_line() else {
-            return 0.0;
+            return Grain::default();
         };
         let normal = line.normal();
         let off_line = |pick: &Pick| {
@@ -339,13 +338,13 @@ impl Finder<'_> {
                 along: pick.candidate.along,
                 off: pick.candidate.off_line.unwrap_or(0.0),
                 variance: (normal.transpose() * spot.covariance_matrix() * normal).x,
-                width: spot.width_along(normal),
+                unit: (normal.transpose() * spot.grain_covariance() * normal).x,
             }
         };
         let grain = grain::estimate(&picks.iter().map(off_line).collect::<Vec<_>>());
         for pick in picks {
             let spot = self.spot(pick.view, &pick.candidate);
-            if let Some(sigma) = pick::sigma_along(self.rig, spot, grain) {
+            if let Some(sigma) = pick::sigma_along(self.rig, spot, grain.value) {
                 pick.candidate.sigma = sigma;
             }
         }
@@ -452,7 +451,7 @@ impl Finder<'_> {
         picks: &[Pick],
         faces: &[Option<Faces>],
         fit: SurfaceFit,
-        (grain, glows, choice): (f64, Option<Glows>, Option<ShapeChoice>),
+        (grain, glows, choice): (Grain, Option<Glows>, Option<ShapeChoice>),
     ) -> Result<VesselFit, VesselError> {
         let mut points = vec![Vec::new(); self.stations.len()];
         let places = self.points(picks, &fit.surface);

@@ -1,19 +1,10 @@
-//! How much the grain of laser light adds to the noise of a centroid.
-//!
-//! Coherent light on a rough surface is speckled, and a spot of N speckles has a centroid that is off by
-//! about the spot's own width over the square root of N, however little noise the camera has. What
-//! N is follows from lens and surface; the scan itself shows it, since the vessel's spots must lie on the
-//! epipolar line: with s_i^2 the variance off the line that the camera's noise explains and m_i the
-//! spot's second moment across the line,
-//!
-//! ```text
-//! variance of the distance off the line = s_i^2 + g m_i,   g = 1/N
-//! ```
-//!
-//! and g is taken from the spread of the distances about a straight line (a calibration error bends the
-//! epipolar line to first order into another straight one).
+//! The grain of laser light (see [`crate::spots::Grain`]) as the vessel's spots show it: they must lie on the
+//! epipolar line, or rather on a straight line, since a calibration error bends the epipolar line to first
+//! order into another straight one.
 
 use nalgebra::Vector2;
+
+use crate::spots::{Grain, GrainSample};
 
 /// A vessel spot and its distance off the epipolar line.
 #[derive(Clone, Copy, Debug)]
@@ -24,24 +15,24 @@ pub(super) struct OffLine {
     pub(super) off: f64,
     /// Variance of that from the camera's noise, px^2.
     pub(super) variance: f64,
-    /// The spot's second moment across the line, px^2.
-    pub(super) width: f64,
+    /// What a unit of grain adds to it, px^2.
+    pub(super) unit: f64,
 }
 
-/// Estimates g; 0 for too few spots to tell.
-pub(super) fn estimate(spots: &[OffLine]) -> f64 {
+/// Estimates the grain; none for too few spots to tell.
+pub(super) fn estimate(spots: &[OffLine]) -> Grain {
     const LEAST: usize = 8;
     if spots.len() < LEAST {
-        return 0.0;
+        return Grain::default();
     }
     let mut kept: Vec<OffLine> = spots.to_vec();
-    let mut grain = 0.0;
+    let mut grain = Grain::default();
     // Stray spots that only look like the wall's are clipped away.
     for _ in 0..4 {
         let residual = straight_line(&kept);
         grain = excess(&kept, &residual);
         let all = spots.iter().filter(|s| {
-            let sigma = (s.variance + grain * s.width).sqrt();
+            let sigma = (s.variance + grain.value * s.unit).sqrt();
             residual(s).abs() <= 4.0 * sigma.max(1e-9)
         });
         let next: Vec<OffLine> = all.copied().collect();
@@ -70,14 +61,14 @@ fn straight_line(spots: &[OffLine]) -> impl Fn(&OffLine) -> f64 + use<> {
     move |s: &OffLine| s.off - middle.y - slope * (s.along - middle.x)
 }
 
-/// The g that makes the residuals' mean square what it is; never negative.
-fn excess(spots: &[OffLine], residual: &impl Fn(&OffLine) -> f64) -> f64 {
+/// The grain that makes the residuals' mean square what it is.
+fn excess(spots: &[OffLine], residual: &impl Fn(&OffLine) -> f64) -> Grain {
     // Two degrees of freedom went into the line.
     let bias = spots.len() as f64 / (spots.len() as f64 - 2.0);
-    let (mut over, mut width) = (0.0, 0.0);
-    for s in spots {
-        over += residual(s) * residual(s) * bias - s.variance;
-        width += s.width;
-    }
-    (over / width).max(0.0)
+    let sample = |s: &OffLine| GrainSample {
+        square: residual(s) * residual(s) * bias,
+        camera: s.variance,
+        unit: s.unit,
+    };
+    Grain::of(&spots.iter().map(sample).collect::<Vec<_>>(), 1.0)
 }

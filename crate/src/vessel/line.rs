@@ -18,7 +18,7 @@ use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::optics::Surface;
 use crate::rig::{Profiles, Sheet};
 use crate::robust::median;
-use crate::spots::{Line, Spot, SpotRole};
+use crate::spots::{Grain, Line, Spot, SpotRole};
 
 /// A block has so many points at least.
 const LEAST: usize = 5;
@@ -94,6 +94,7 @@ impl Finder<'_> {
             self.add_uncertainty(&mut fit, &picks(&of_share(share + glows.share_sigma)));
         }
         let points = self.line_points(&lines, (&merged, &blocks), &fit, (share, grain));
+        let grain = Grain::alone(grain);
         let mut found = self.assemble(&picks(&blocks), &faces, fit, (grain, glow.glows, choice))?;
         found.replace_points(points);
         Ok(found)
@@ -418,26 +419,33 @@ fn parabola(
 }
 
 /// The grain of the laser's light: what the points scatter about their curves beyond the camera's noise, in
-/// parts of the line's own second moment (see [`super::grain`]).
+/// parts of the line's own second moment (see [`Grain`]).
+///
+/// Third differences tell scatter from course: that of a round wall bends, but hardly changes its bend.
 fn grain(lines: &[ViewLine], marked: &[Vec<bool>]) -> f64 {
-    /// Points so far apart share no light, and the wall hardly bends between them.
+    /// Points so far apart share no light.
     const APART: usize = 4;
+    const THIRD_DIFFERENCE: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
     let mut excesses = Vec::new();
     for (line, marked) in lines.iter().zip(marked) {
         let profiles = line.line.profiles;
         for run in line.runs(marked) {
             let spots = &line.spots[run];
-            for three in spots.windows(2 * APART + 1).step_by(APART) {
-                let [a, b, c] = [&three[0], &three[APART], &three[2 * APART]];
-                let [x, y, z] = [a, b, c].map(|spot| profiles.place(spot.pixel()));
-                if y.0 - x.0 != APART as f64 || z.0 - y.0 != APART as f64 {
+            for window in spots.windows(3 * APART + 1).step_by(APART) {
+                let four = || window.iter().step_by(APART).zip(THIRD_DIFFERENCE);
+                let place = |spot: &Spot| profiles.place(spot.pixel());
+                let lanes = place(&window[3 * APART]).0 - place(&window[0]).0;
+                if lanes != (3 * APART) as f64 {
                     continue;
                 }
-                let bend = x.1 - 2.0 * y.1 + z.1;
+                let change: f64 = four().map(|(spot, factor)| factor * place(spot).1).sum();
                 let own = |spot: &Spot| spot.variance_along(profiles, 0.0);
                 let unit = |spot: &Spot| spot.variance_along(profiles, 1.0) - own(spot);
-                let camera = own(a) + 4.0 * own(b) + own(c);
-                excesses.push((bend * bend, camera, unit(a) + 4.0 * unit(b) + unit(c)));
+                let together = |of: &dyn Fn(&Spot) -> f64| -> f64 {
+                    let parts = four().map(|(spot, factor)| factor * factor * of(spot));
+                    parts.sum()
+                };
+                excesses.push((change * change, together(&own), together(&unit)));
             }
         }
     }
