@@ -11,7 +11,7 @@ use snellius_tests::{
     PATIENCE,
     companion::Output,
     places::samples,
-    workbench::{RECONSTRUCTION, Workbench, part, with_workbench},
+    workbench::{RECONSTRUCTION, Workbench, part, wait_kept, with_workbench},
 };
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -87,16 +87,9 @@ fn an_archive_of_more_than_4_gib_is_measured_and_gone_on_with_when_it_is_chosen_
         ensure!(result(workbench)? == expected, "the result is another");
 
         // No copy is kept, and the list says so.
-        let kept = format!("document.querySelector('{}')?.innerText", part("sessions"));
-        loop {
-            page.reload()?;
-            workbench.wait_state("start", PATIENCE)?;
-            page.wait_until("the session", &kept)?;
-            // What was measured is written down within a second or so.
-            if page.text(&part("sessions"))?.contains("35 points") {
-                break;
-            }
-        }
+        wait_kept(page, "Measured")?;
+        page.reload()?;
+        page.wait_text(&part("sessions"), "35 points")?;
         page.wait_text(&part("sessions"), "too large to be kept")?;
         page.screenshot("session-without-archive")?;
         page.choose_files(&part("archive-again"), &[&tank])?;
