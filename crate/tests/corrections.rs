@@ -93,7 +93,10 @@ fn a_refused_spot_that_is_called_the_objects_is_taken() {
 
 /// How many of some pixels lie within a circle.
 fn within(pixels: &[[f64; 2]], [u, v]: [f64; 2], reach: f64) -> usize {
-    let near = |pixel: &&[f64; 2]| (pixel[0] - u).hypot(pixel[1] - v) <= reach;
+    let near = |pixel: &&[f64; 2]| {
+        let [across, along] = [pixel[0] - u, pixel[1] - v];
+        across * across + along * along <= reach * reach
+    };
     pixels.iter().filter(near).count()
 }
 

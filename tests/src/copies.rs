@@ -42,7 +42,8 @@ pub fn line_copies(folder: &Path, copies: usize) -> Result<PathBuf> {
 fn moved(view: &Value, copy: usize, copies: usize) -> Value {
     const STEP: f64 = 6.0;
     let way = STEP * copy as f64 / copies as f64;
-    let slope = -2_f64.to_radians().tan();
+    // tan 2 degrees.
+    let slope = -0.034_920_769_5;
     let mut view = view.clone();
     view["id"] = format!("{}-{copy}", view["id"].as_str().unwrap_or_default()).into();
     let place = &mut view["world_from_flange"]["translation"];

@@ -8,8 +8,7 @@ use anyhow::{Context, Result, ensure};
 const FIRST_SCREEN: usize = 500_000;
 /// What there may be in all, with what is loaded when a scan is opened (the core, the readers of picture formats,
 /// figures, files and other programs' calibrations), when the lab is entered, and when a page of one file is made (its
-/// viewer). It shall come down
-/// to 800 kB.
+/// viewer). It shall come down to 800 kB.
 const ALL: usize = 2_050_000;
 
 /// Prints both sizes and holds them against their limits.
