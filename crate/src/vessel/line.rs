@@ -267,12 +267,15 @@ impl Finder<'_> {
         (share, grain): (f64, f64),
     ) -> Vec<Vec<VesselPoint>> {
         let mut points = vec![Vec::new(); self.stations.len()];
-        let carrying = |(row, _): &(usize, _)| fit.weights[*row] > 0.0;
-        let rows = merged.iter().zip(blocks).enumerate().filter(carrying);
-        for (_, (before, block)) in rows {
+        for (row, (before, block)) in merged.iter().zip(blocks).enumerate() {
             let Some(line) = lines.iter().find(|line| line.view == block.view) else {
                 continue;
             };
+            // What a person says is the wall's is listed, however little the fit thinks of it.
+            let is_said = block.spots.clone().all(|spot| line.said[spot]);
+            if fit.weights[row] <= 0.0 && !is_said {
+                continue;
+            }
             let shift = Vector2::new(
                 block.pick.pixel.u - before.pick.pixel.u,
                 block.pick.pixel.v - before.pick.pixel.v,
