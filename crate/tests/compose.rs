@@ -156,6 +156,21 @@ fn no_text_whatsoever_makes_the_readers_panic() {
     }
 }
 
+#[test]
+fn a_text_of_aliases_is_refused_before_it_fills_the_memory() {
+    let mut text = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n".to_owned();
+    for level in 1..30 {
+        let below = format!("*a{}", level - 1);
+        let nine = [below.as_str(); 9].join(", ");
+        text += &format!("a{level}: &a{level} [{nine}]\n");
+    }
+    let error = read_calibration(&text).unwrap_err().to_string();
+    assert!(
+        error.starts_with("line 2, ") && error.contains("alias"),
+        "{error}"
+    );
+}
+
 /// A quarter turn about z, at (10, 20, 30), in each way of writing.
 #[test]
 fn every_kind_of_list_says_the_same() {

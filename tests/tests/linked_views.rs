@@ -223,9 +223,10 @@ fn of_many_views_only_those_in_sight_are_made_and_all_can_be_reached() -> Result
         page.tab_to(".thumb[aria-selected=true]")?;
         page.press("End")?;
         ensure_chosen(page, "0021-7")?;
+        // A canvas that nothing was painted on is 300 px wide.
         page.wait_until(
             "the thumbnail of the last view",
-            "document.querySelector('.thumb[aria-selected=true] canvas').width === 88",
+            "document.querySelector('.thumb[aria-selected=true] canvas').width <= 96",
         )
     })
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use roxmltree::{Document, Node};
 use saphyr::{LoadableYamlNode, Scalar, Yaml};
+use saphyr_parser::{Event, Parser};
 use serde_json::{Map, Number, Value};
 
 use super::ImportError;
@@ -29,6 +30,7 @@ pub(super) fn json(text: &str) -> Result<Value, ImportError> {
 fn yaml(text: &str) -> Result<Value, ImportError> {
     check_indentation(text)?;
     let text = without_directive(text);
+    check_aliases(&text)?;
     let documents = Yaml::load_from_str(&text).map_err(|error| ImportError::Syntax {
         line: error.marker().line(),
         column: error.marker().col() + 1,
@@ -52,6 +54,21 @@ fn check_indentation(text: &str) -> Result<(), ImportError> {
             line: index + 1,
             column: 2 * DEEPEST,
             problem: "nested too deeply".to_owned(),
+        }),
+    }
+}
+
+/// Each alias is a copy of what it means, so a few lines of them can fill any memory. No calibration needs one.
+fn check_aliases(text: &str) -> Result<(), ImportError> {
+    let alias = Parser::new_from_str(text)
+        .map_while(Result::ok)
+        .find(|(event, _)| matches!(event, Event::Alias(_)));
+    match alias {
+        None => Ok(()),
+        Some((_, span)) => Err(ImportError::Syntax {
+            line: span.start.line(),
+            column: span.start.col() + 1,
+            problem: "aliases are not read; write the value itself".to_owned(),
         }),
     }
 }
