@@ -27,6 +27,8 @@ pub(super) struct Place {
     pub(super) point: Point<World>,
     /// One standard deviation of its depth along the beam, mm.
     pub(super) sigma: f64,
+    /// The probability that the object is there.
+    pub(super) trust: f64,
 }
 
 impl Place {
@@ -36,7 +38,13 @@ impl Place {
         Self {
             point: meeting.point(),
             sigma: variance.sqrt(),
+            trust: 1.0,
         }
+    }
+
+    /// A place that is the object's with that probability only.
+    pub(super) fn trusted(self, trust: f64) -> Self {
+        Self { trust, ..self }
     }
 }
 
@@ -47,6 +55,10 @@ pub(super) struct Misfit {
     pub(super) off: f64,
     /// One standard deviation of that, mm.
     pub(super) sigma: f64,
+    /// The probability that those who foretell it lie on the object themselves.
+    pub(super) trust: f64,
+    /// From how many forecasts that differ it was chosen.
+    choice: f64,
 }
 
 impl Misfit {
@@ -56,18 +68,17 @@ impl Misfit {
     /// The object is where the forecast says, but for an edge between; and there were a few forecasts to
     /// choose from.
     pub(super) fn favour(&self) -> f64 {
-        libm::log(EDGE + (1.0 - EDGE) * self.likelihood())
+        let trust = (1.0 - EDGE) * self.trust;
+        libm::log(1.0 - trust + trust * self.likelihood())
     }
 
     /// How much likelier the place is where the forecast holds than as a ghost's, which lies anywhere.
     fn likelihood(&self) -> f64 {
         /// Ghosts seem to lie anywhere within this, mm.
         const ANYWHERE: f64 = 100.0;
-        /// Forecasts of an axis that differ.
-        const CHOICE: f64 = 3.0;
         /// Student's density at 0.
         const TOP: f64 = 0.353_553_390_593_273_8;
-        TOP * self.student() / self.sigma * ANYWHERE / CHOICE
+        TOP * self.student() / self.sigma * ANYWHERE / self.choice
     }
 
     /// How well the place agrees, as a logarithm: 0 where it is as foretold. Unlike [`Misfit::favour`] it
@@ -86,7 +97,7 @@ impl Misfit {
 }
 
 /// How often an edge of the object spoils the forecasts of an axis.
-const EDGE: f64 = 0.3;
+const EDGE: f64 = 0.15;
 /// Along the sweep, across it, and between.
 const AXES: usize = 4;
 /// As many neighbours are asked on each side: two make a line.
@@ -94,7 +105,9 @@ const EACH_SIDE: usize = 3;
 /// No surface is as smooth as its points are exact: texture, mm.
 const TEXTURE: f64 = 0.15;
 /// A foretold depth that is more uncertain than this says nothing, mm.
-const USELESS: f64 = 10.0;
+const USELESS: f64 = 30.0;
+/// Of an axis' forecasts so many differ at most.
+const DIFFERENT: f64 = 3.0;
 /// Faces steeper than this against the beam are hardly lit.
 const STEEPEST: f64 = 4.0;
 
@@ -104,6 +117,8 @@ struct Forecast {
     depth: f64,
     /// Variance from the neighbours' own, and from their line's passing beside the beam, mm^2.
     variance: f64,
+    /// The probability that the neighbours lie on the object.
+    trust: f64,
     /// What the error of the chord is for a curvature of 1 / mm, mm.
     chord: f64,
 }
@@ -116,6 +131,7 @@ struct Beside {
     square: f64,
     depth: f64,
     sigma: f64,
+    trust: f64,
 }
 
 /// What a view's neighbours foretell for it, by the axis across the beam along which they lie.
@@ -139,12 +155,15 @@ impl Forecasts {
         let depth = (place.point - self.beam.origin).dot(&self.beam.direction.vector());
         let own = place.sigma * place.sigma + TEXTURE * TEXTURE;
         let of_axis = |forecasts: &Vec<Forecast>| {
+            let choice = (forecasts.len() as f64).min(DIFFERENT);
             let misfits = forecasts.iter().filter_map(|forecast| {
                 let bend = curvature * forecast.chord;
                 let sigma = (own + forecast.variance + bend * bend).sqrt();
                 (sigma < USELESS).then_some(Misfit {
                     off: depth - forecast.depth,
                     sigma,
+                    trust: forecast.trust,
+                    choice,
                 })
             });
             misfits.max_by(|a, b| a.favour().total_cmp(&b.favour()))
@@ -233,17 +252,17 @@ fn side(x: f64, y: f64) -> usize {
 }
 
 /// What the misfits along several axes say together: either every axis speaks for itself, or the place is at
-/// an edge or on the object's outline, where one of them is right and the others say nothing.
+/// an edge or on the object's outline, where one of them is right and the others say nothing. Where nobody
+/// foretells anything, nothing speaks for a place nor against it.
 pub(super) fn together(misfits: &[Misfit]) -> f64 {
-    /// Few points of an object have no neighbours that foretell them.
-    const NOBODY: f64 = -2.5;
     /// How many points of an object lie beside an edge.
     const BESIDE_EDGE: f64 = 0.3;
     if misfits.is_empty() {
-        return NOBODY;
+        return 0.0;
     }
     let all: f64 = misfits.iter().map(Misfit::favour).sum();
-    let one = misfits.iter().map(Misfit::likelihood).sum::<f64>() / misfits.len() as f64;
+    let right = |misfit: &Misfit| 1.0 - misfit.trust + misfit.trust * misfit.likelihood();
+    let one = misfits.iter().map(right).sum::<f64>() / misfits.len() as f64;
     libm::log((1.0 - BESIDE_EDGE) * libm::exp(all) + BESIDE_EDGE * one)
 }
 
@@ -278,6 +297,7 @@ fn seen_along(beam: &Ray<World>, place: Place) -> Beside {
         square: across.norm_squared(),
         depth,
         sigma: place.sigma,
+        trust: place.trust,
     }
 }
 
@@ -291,6 +311,7 @@ fn forecasts(beside: &[Beside]) -> Vec<Forecast> {
         Forecast {
             depth: neighbour.depth,
             variance: neighbour.sigma * neighbour.sigma + rise * rise,
+            trust: neighbour.trust,
             chord: 0.0,
         }
     });
@@ -323,6 +344,7 @@ fn forecast(a: &Beside, b: &Beside) -> Option<Forecast> {
         depth: wa * a.depth + wb * b.depth,
         // Across its line the surface may rise as it does along it.
         variance: noise(wa, a.sigma) + noise(wb, b.sigma) + (0.5 * beside) * (0.5 * beside),
+        trust: a.trust * b.trust,
         chord: 0.5 * (sa * sb).abs() * steep * steep * steep,
     })
 }

@@ -9,16 +9,25 @@
 
 use super::neighbours::{Forecasts, Misfit, Place, around, together, usual_curvature};
 use super::{Neighbourhood, ObjectPoint};
-use crate::geometry::{Ray, World};
+use crate::geometry::{Point, Ray, World};
 use crate::robust::{median, robust_scale};
 
 /// A spot that passes by its ray distance.
 #[derive(Clone, Debug)]
 pub(super) struct Fitting {
     pub(super) point: ObjectPoint,
-    pub(super) brightness: f64,
+    pub(super) look: Look,
     /// The ray distance in standard deviations.
     pub(super) gap: f64,
+}
+
+/// What a spot looks like.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    /// Grey values.
+    pub(super) brightness: f64,
+    /// Standard deviation of its light, px.
+    pub(super) width: f64,
 }
 
 /// What became of the fitting spots of a view.
@@ -34,9 +43,9 @@ pub(super) struct Selection {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evidence {
     /// The logarithm of how much likelier it is the object's than a ghost's.
-    favour: f64,
+    pub(super) favour: f64,
     /// Its nearest agreement with the neighbours' surface.
-    misfit: Option<Misfit>,
+    pub(super) misfit: Option<Misfit>,
 }
 
 impl Evidence {
@@ -44,22 +53,33 @@ impl Evidence {
     /// against it, as a logarithm.
     const MOST: f64 = -3.0;
 
-    fn new(spot: &Fitting, brightness: f64, surface: f64, misfit: Option<Misfit>) -> Self {
+    /// `before` is what speaks for a spot before one looks at it.
+    fn new(
+        spot: &Fitting,
+        before: f64,
+        looks: &Looks,
+        surface: f64,
+        misfit: Option<Misfit>,
+    ) -> Self {
         /// Ray distances of ghosts are as likely up to the limit, here in standard deviations.
         const GAPS: f64 = 8.0;
-        /// And so is their light, here in the spread of the object's.
-        const LIGHTS: f64 = 8.0;
-        let normal = |z: f64, range: f64| libm::log(range / ROOT_TAU) - 0.5 * z * z;
-        let favour = |z, range| normal(z, range).max(Self::MOST);
+        /// This part of them lies on the beam's image, as the object's spots do.
+        const ALIKE: f64 = 0.5;
+        let gap = odds_to_some_uniform(spot.gap, GAPS, ALIKE).max(Self::MOST);
         Self {
-            favour: favour(spot.gap, GAPS) + favour(brightness, LIGHTS) + surface,
+            favour: before + gap + looks.favour(&spot.look) + surface,
             misfit,
         }
     }
 
     /// Whether it is rather the object's than a ghost's.
-    fn is_supported(&self) -> bool {
+    pub(super) fn is_supported(&self) -> bool {
         self.favour > SURE
+    }
+
+    /// The probability that it is the object's.
+    pub(super) fn probability(&self) -> f64 {
+        1.0 / (1.0 + libm::exp(-self.favour))
     }
 
     /// How the neighbours see it, for a refusal.
@@ -72,13 +92,28 @@ impl Evidence {
 }
 
 const ROOT_TAU: f64 = 2.506_628_274_631_000_2;
+
+fn normal(z: f64) -> f64 {
+    libm::exp(-0.5 * z * z) / ROOT_TAU
+}
+
+/// How much likelier a value is from a normal distribution than from an even one that is `range` standard
+/// deviations wide: as a logarithm.
+fn odds_to_uniform(z: f64, range: f64) -> f64 {
+    libm::log(range / ROOT_TAU) - 0.5 * z * z
+}
+
+/// The same where of the others, too, the share `alike` is normally distributed.
+fn odds_to_some_uniform(z: f64, range: f64, alike: f64) -> f64 {
+    let own = normal(z).max(f64::MIN_POSITIVE);
+    libm::log(own / (alike * own + (1.0 - alike) / range))
+}
+
 /// A sum of more than this takes a spot for the object's. A false point is worse than a missing one, so it
 /// is more than 0.
-const SURE: f64 = 1.5;
-/// The same for a view's only spot: a ghost would have to hide the object's, too.
-const ONLY: f64 = 1.3;
+const SURE: f64 = 2.5;
 
-/// The usual brightness of the object's spots, as a logarithm.
+/// A number that the object's spots have in common, as a logarithm.
 #[derive(Clone, Copy)]
 struct Usual {
     middle: f64,
@@ -86,10 +121,9 @@ struct Usual {
 }
 
 impl Usual {
-    fn of(brightness: impl Iterator<Item = f64>) -> Option<Self> {
-        /// A surface's own brightness varies by so much, as faces turn and light is grainy.
-        const LEAST: f64 = 0.35;
-        let logs: Vec<f64> = brightness.map(libm::log).collect();
+    /// `least` is by how much it varies at least.
+    fn of(values: impl Iterator<Item = f64>, least: f64) -> Option<Self> {
+        let logs: Vec<f64> = values.map(libm::log).collect();
         if logs.is_empty() {
             return None;
         }
@@ -97,37 +131,124 @@ impl Usual {
         let off: Vec<f64> = logs.iter().map(|log| log - middle).collect();
         Some(Self {
             middle,
-            spread: robust_scale(&off).max(LEAST),
+            spread: robust_scale(&off).max(least),
         })
     }
 
-    fn hold(&self, brightness: f64) -> f64 {
-        (libm::log(brightness) - self.middle) / self.spread
+    fn hold(&self, value: f64) -> f64 {
+        (libm::log(value) - self.middle) / self.spread
+    }
+}
+
+/// What the object's spots look like.
+#[derive(Clone, Copy)]
+pub(super) struct Looks {
+    brightness: Usual,
+    width: Usual,
+}
+
+impl Looks {
+    pub(super) fn of<'a>(spots: impl Iterator<Item = &'a Look> + Clone) -> Option<Self> {
+        /// A surface's own brightness varies by so much, as faces turn and light is grainy,
+        const BRIGHTNESS: f64 = 0.35;
+        /// and its spots' width, as they are cut obliquely.
+        const WIDTH: f64 = 0.12;
+        Some(Self {
+            brightness: Usual::of(spots.clone().map(|spot| spot.brightness), BRIGHTNESS)?,
+            width: Usual::of(spots.map(|spot| spot.width), WIDTH)?,
+        })
+    }
+
+    /// How much likelier the object's spots look so than ghosts do: as a logarithm.
+    pub(super) fn favour(&self, spot: &Look) -> f64 {
+        /// The light of ghosts is as likely within this, in the spread of the object's.
+        const LIGHTS: f64 = 8.0;
+        let brightness = odds_to_uniform(self.brightness.hold(spot.brightness), LIGHTS);
+        brightness.max(Evidence::MOST) + self.favour_of_width(spot).max(Evidence::MOST)
+    }
+
+    /// What a flat face mirrors is as wide as the object's own spots; a curved one makes it any width.
+    fn favour_of_width(&self, spot: &Look) -> f64 {
+        const WIDTHS: f64 = 8.0;
+        const FLAT: f64 = 0.5;
+        odds_to_some_uniform(self.width.hold(spot.width), WIDTHS, FLAT)
+    }
+}
+
+/// How often what is seen, as the scan itself tells.
+#[derive(Clone, Copy, Debug)]
+struct Rates {
+    /// Ghosts that pass by their ray distance, of each view.
+    ghosts: f64,
+    /// Views in which the object's spot is missing.
+    missing: f64,
+}
+
+impl Rates {
+    /// Before anything is known.
+    const START: Self = Self {
+        ghosts: 0.05,
+        missing: 0.1,
+    };
+
+    /// Counted in what was chosen, each spot with the probability that it is the object's.
+    fn of(selections: &[Selection], strays: usize) -> Self {
+        let count = selections.len() as f64;
+        let spots: usize = selections.iter().map(|view| view.evidence.len()).sum();
+        let missing: f64 = selections.iter().map(Selection::missing).sum();
+        /// Where so many ghosts do not pass by their ray distance, one will that is not told otherwise.
+        const STRAYS: f64 = 0.25;
+        // Half a view more: that none was seen does not say that there are none.
+        let part = |views: f64| (views + 0.5) / (count + 1.0);
+        Self {
+            ghosts: part(spots as f64 - (count - missing) + STRAYS * strays as f64),
+            missing: part(missing),
+        }
+    }
+
+    /// How much likelier a view shows the object's spot than a ghost alone, before one looks at it: as a
+    /// logarithm. In so many of some views `beside` it the object's spot is missing.
+    fn favour(&self, missing: f64, beside: f64) -> f64 {
+        /// What makes a ghost hides the object's spot so often.
+        const HIDES: f64 = 0.25;
+        /// The whole scan counts as so many views beside it.
+        const SCAN: f64 = 0.3;
+        let missing = (missing + SCAN * self.missing) / (beside + SCAN);
+        let hidden = missing + (1.0 - missing) * HIDES;
+        libm::log((1.0 - missing) / (self.ghosts * hidden))
     }
 }
 
 /// Selects each view's spot; `beams` are those behind the wall, `strays` is how many spots of the scan are
 /// no point of wall or object already.
 pub(super) fn select(
-    fitting: &[Vec<Fitting>],
+    fitting: &[&[Fitting]],
     beams: &[Option<Ray<World>>],
     strays: usize,
 ) -> Vec<Selection> {
     const ROUNDS: usize = 12;
-    let Some(usual) = Usual::of(fitting.iter().filter_map(|f| Some(f.first()?.brightness))) else {
+    let Some(looks) = Looks::of(fitting.iter().filter_map(|f| Some(&f.first()?.look))) else {
         return vec![Selection::default(); fitting.len()];
     };
-    let mut selections = alone(fitting, usual);
-    let around = around_each(beams, &places(fitting, beams, &selections));
+    let mut selections = alone(fitting, &looks);
+    let mut rates = Rates::START;
+    let places = places(fitting, beams, &selections);
+    let scan = Scan {
+        fitting,
+        beams,
+        around: around_each(beams, &places),
+        beside: beside_each(beams, &places),
+    };
     for _ in 0..ROUNDS {
-        let next = round(fitting, beams, &around, &selections);
+        let next = scan.round(&selections, &rates);
         let settled = choices(&next) == choices(&selections);
         selections = next;
+        rates = Rates::of(&selections, strays);
         if settled {
             break;
         }
     }
-    refuse_unsupported(&mut selections, fitting, strays);
+    refuse_unsupported(&mut selections, strays);
     selections
 }
 
@@ -138,11 +259,19 @@ fn choices(selections: &[Selection]) -> Vec<(Option<usize>, bool)> {
 
 impl Selection {
     fn best_of(evidence: Vec<Evidence>) -> Self {
-        let favours = evidence.iter().map(|e| e.favour).enumerate();
-        let chosen = favours
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(index, _)| index);
-        Self { chosen, evidence }
+        let mut selection = Self {
+            chosen: None,
+            evidence,
+        };
+        selection.chosen = selection.likeliest();
+        selection
+    }
+
+    /// The spot that is likelier the object's than the others, if not likely.
+    pub(super) fn likeliest(&self) -> Option<usize> {
+        let favours = self.evidence.iter().map(|e| e.favour).enumerate();
+        let best = favours.max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map(|(index, _)| index)
     }
 
     fn is_supported(&self) -> bool {
@@ -150,18 +279,18 @@ impl Selection {
             .is_some_and(|spot| self.evidence[spot].is_supported())
     }
 
-    /// What speaks for the chosen spot.
-    fn favour(&self) -> Option<f64> {
-        Some(self.evidence[self.chosen?].favour)
+    /// The probability that the object's spot is missing.
+    fn missing(&self) -> f64 {
+        let chosen = self.chosen.map(|spot| self.evidence[spot]);
+        chosen.map_or(1.0, |evidence| 1.0 - evidence.probability())
     }
 }
 
 /// Each view by itself.
-fn alone(fitting: &[Vec<Fitting>], usual: Usual) -> Vec<Selection> {
+fn alone(fitting: &[&[Fitting]], looks: &Looks) -> Vec<Selection> {
     // For a start everything is as if neighbours spoke for it.
-    let evidence =
-        |spot: &Fitting| Evidence::new(spot, usual.hold(spot.brightness), 2.0 * SURE, None);
-    let view = |spots: &Vec<Fitting>| Selection::best_of(spots.iter().map(evidence).collect());
+    let evidence = |spot: &Fitting| Evidence::new(spot, 2.0 * SURE, looks, 0.0, None);
+    let view = |spots: &&[Fitting]| Selection::best_of(spots.iter().map(evidence).collect());
     fitting.iter().map(view).collect()
 }
 
@@ -177,90 +306,148 @@ fn around_each(beams: &[Option<Ray<World>>], places: &[Option<Place>]) -> Vec<Ve
 
 /// Where the chosen spots are.
 fn places(
-    fitting: &[Vec<Fitting>],
+    fitting: &[&[Fitting]],
     beams: &[Option<Ray<World>>],
     selections: &[Selection],
 ) -> Vec<Option<Place>> {
     let views = selections.iter().zip(fitting).zip(beams);
-    let chosen =
-        |((selection, spots), beam): ((&Selection, &Vec<Fitting>), &Option<Ray<World>>)| {
-            Some(place(&spots[selection.chosen?], beam.as_ref()?))
-        };
+    let chosen = |((selection, spots), beam): ((&Selection, &&[Fitting]), &Option<Ray<World>>)| {
+        Some(place(&spots[selection.chosen?], beam.as_ref()?))
+    };
     views.map(chosen).collect()
 }
 
-/// Each view in the light of what was chosen in the others.
-fn round(
-    fitting: &[Vec<Fitting>],
-    beams: &[Option<Ray<World>>],
-    around: &[Vec<usize>],
-    before: &[Selection],
-) -> Vec<Selection> {
-    let chosen: Vec<Option<&Fitting>> = before
-        .iter()
-        .zip(fitting)
-        .map(|(selection, spots)| Some(&spots[selection.chosen?]))
-        .collect();
-    let places = places(fitting, beams, before);
-    let trusted: Vec<Option<Place>> = places
-        .iter()
-        .zip(before)
-        .map(|(place, selection)| place.filter(|_| selection.is_supported()))
-        .collect();
-    let forecasts: Vec<Option<Forecasts>> = beams
-        .iter()
-        .enumerate()
-        .map(|(view, beam)| {
-            let others = around[view].iter().filter_map(|other| places[*other]);
-            Some(Forecasts::of(beam.as_ref()?, others))
-        })
-        .collect();
-    let curvature = usual_curvature(&forecasts, &trusted);
-    let usual = Usual::of(chosen.iter().flatten().map(|spot| spot.brightness));
-    let view = |view: usize| {
-        let evidence = |spot: &Fitting| {
-            let hold = |(beam, forecasts): (&Ray<World>, &Forecasts)| {
-                forecasts.hold(&place(spot, beam), curvature)
-            };
-            let misfits = beams[view]
-                .as_ref()
-                .zip(forecasts[view].as_ref())
-                .map_or_else(Vec::new, hold);
-            let brightness = usual.map_or(0.0, |usual| usual.hold(spot.brightness));
-            let best = misfits
-                .iter()
-                .copied()
-                .max_by(|a, b| a.favour().total_cmp(&b.favour()));
-            Evidence::new(spot, brightness, together(&misfits), best)
-        };
-        Selection::best_of(fitting[view].iter().map(evidence).collect())
+/// The views that lie beside each.
+fn beside_each(beams: &[Option<Ray<World>>], places: &[Option<Place>]) -> Vec<Vec<usize>> {
+    let depth = |(beam, place): (&Option<Ray<World>>, &Option<Place>)| {
+        let (beam, place) = (beam.as_ref()?, place.as_ref()?);
+        Some((place.point - beam.origin).dot(&beam.direction.vector()))
     };
-    (0..fitting.len()).map(view).collect()
+    let depths: Vec<f64> = beams.iter().zip(places).filter_map(depth).collect();
+    if depths.is_empty() {
+        return vec![Vec::new(); beams.len()];
+    }
+    let depth = median(depths);
+    let ends: Vec<Option<Point<World>>> = beams
+        .iter()
+        .map(|beam| Some(beam.as_ref()?.at(depth)))
+        .collect();
+    let beside = |end: &Option<Point<World>>| end.map_or_else(Vec::new, |end| nearest(&ends, end));
+    ends.iter().map(beside).collect()
+}
+
+/// The few points that lie nearest to one of them, without itself.
+fn nearest(points: &[Option<Point<World>>], to: Point<World>) -> Vec<usize> {
+    const MOST: usize = 6;
+    let mut nearest: Vec<(f64, usize)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let Some(distance) = point.map(|point| point.distance(to)) else {
+            continue;
+        };
+        let place = nearest.partition_point(|(other, _)| *other <= distance);
+        if place <= MOST {
+            nearest.insert(place, (distance, index));
+            nearest.truncate(MOST + 1);
+        }
+    }
+    // The first is the point itself.
+    nearest
+        .into_iter()
+        .skip(1)
+        .map(|(_, index)| index)
+        .collect()
+}
+
+/// What there is to choose from.
+struct Scan<'a> {
+    fitting: &'a [&'a [Fitting]],
+    beams: &'a [Option<Ray<World>>],
+    /// The views that each view's neighbours are among,
+    around: Vec<Vec<usize>>,
+    /// and those the beams of which pass beside its own.
+    beside: Vec<Vec<usize>>,
+}
+
+impl Scan<'_> {
+    /// Each view in the light of what was chosen in the others.
+    fn round(&self, before: &[Selection], rates: &Rates) -> Vec<Selection> {
+        let chosen = before.iter().zip(self.fitting);
+        let chosen = chosen.filter_map(|(selection, spots)| Some(&spots[selection.chosen?].look));
+        let Some(looks) = Looks::of(chosen) else {
+            return before.to_vec();
+        };
+        let places = places(self.fitting, self.beams, before);
+        let missing: Vec<f64> = before.iter().map(Selection::missing).collect();
+        let places: Vec<Option<Place>> = places
+            .into_iter()
+            .zip(&missing)
+            .map(|(place, missing)| Some(place?.trusted(1.0 - missing)))
+            .collect();
+        let forecasts = self.forecasts(&places);
+        let trusted: Vec<Option<Place>> = places
+            .iter()
+            .zip(before)
+            .map(|(place, selection)| place.filter(|_| selection.is_supported()))
+            .collect();
+        let light = Light {
+            looks,
+            curvature: usual_curvature(&forecasts, &trusted),
+        };
+        let view = |(view, forecasts): (usize, &Option<Forecasts>)| {
+            let beside = self.beside[view].iter().map(|other| missing[*other]);
+            let prior = rates.favour(beside.sum(), self.beside[view].len() as f64);
+            let spots = self.fitting[view].iter();
+            let evidence = spots.map(|spot| {
+                let place = self.beams[view].as_ref().map(|beam| place(spot, beam));
+                light.evidence(spot, prior, place.zip(forecasts.as_ref()))
+            });
+            Selection::best_of(evidence.collect())
+        };
+        forecasts.iter().enumerate().map(view).collect()
+    }
+
+    fn forecasts(&self, places: &[Option<Place>]) -> Vec<Option<Forecasts>> {
+        let views = self.beams.iter().zip(&self.around);
+        let of_view = |(beam, around): (&Option<Ray<World>>, &Vec<usize>)| {
+            let others = around.iter().filter_map(|other| places[*other]);
+            Some(Forecasts::of(beam.as_ref()?, others))
+        };
+        views.map(of_view).collect()
+    }
+}
+
+/// The light in which a spot is seen.
+struct Light {
+    looks: Looks,
+    curvature: f64,
+}
+
+impl Light {
+    fn evidence(&self, spot: &Fitting, prior: f64, seen: Option<(Place, &Forecasts)>) -> Evidence {
+        let misfits = seen.map_or_else(Vec::new, |(place, forecasts)| {
+            forecasts.hold(&place, self.curvature)
+        });
+        let surface = together(&misfits);
+        let best = misfits
+            .into_iter()
+            .max_by(|a, b| a.favour().total_cmp(&b.favour()));
+        Evidence::new(spot, prior, &self.looks, surface, best)
+    }
 }
 
 fn place(spot: &Fitting, beam: &Ray<World>) -> Place {
     Place::new(&spot.point.meeting, &spot.point.noise, beam)
 }
 
-/// Refuses what no neighbours speak for, where there are ghosts at all: about as many may stand alone in
-/// their views as are seen beside others. Where far more spots stand alone, the surface is too rough, or
-/// its points too few, to judge by.
-fn refuse_unsupported(selections: &mut [Selection], fitting: &[Vec<Fitting>], strays: usize) {
-    let outdone: usize = fitting
-        .iter()
-        .map(|spots| spots.len().saturating_sub(1))
-        .sum();
-    let lone = selections
-        .iter()
-        .filter(|s| s.chosen.is_some() && !s.is_supported())
-        .count();
-    let ghosts = strays + outdone;
-    if ghosts == 0 || lone > 3 * ghosts + fitting.len() / 10 {
+/// Refuses what is rather a ghost than the object's, where there are ghosts at all.
+fn refuse_unsupported(selections: &mut [Selection], strays: usize) {
+    let spots = selections.iter().map(|view| view.evidence.len());
+    let outdone: usize = spots.map(|spots| spots.saturating_sub(1)).sum();
+    if strays + outdone == 0 {
         return;
     }
-    for (selection, spots) in selections.iter_mut().zip(fitting) {
-        let least = if spots.len() == 1 { ONLY } else { SURE };
-        if selection.favour().is_some_and(|favour| favour <= least) {
+    for selection in selections {
+        if !selection.is_supported() {
             selection.chosen = None;
         }
     }
