@@ -8,7 +8,7 @@
 //! until nothing changes.
 
 use super::neighbours::{Forecasts, Misfit, Place, around, together, usual_curvature};
-use super::select::{Evidence, Look, Looks};
+use super::select::{Evidence, Look, Looks, VAGUEST};
 use crate::geometry::{Ray, World};
 
 /// At so many points a curve is held against the others' surface.
@@ -144,9 +144,9 @@ impl<'a> Scan<'a> {
             |(sample, arc): (&Sample, &usize)| before[*arc].is_supported().then_some(sample.place);
         let trusted: Vec<Option<Place>> =
             self.samples.iter().zip(&self.arc_of).map(trusted).collect();
-        let curvature = usual_curvature(&forecasts, &trusted);
+        let curvature = usual_curvature(&forecasts, &trusted, VAGUEST);
         let hold = |(forecasts, sample): (&Option<Forecasts>, &Sample)| {
-            let hold = |forecasts: &Forecasts| forecasts.hold(&sample.place, curvature);
+            let hold = |forecasts: &Forecasts| forecasts.hold(&sample.place, curvature, VAGUEST);
             forecasts.as_ref().map_or_else(Vec::new, hold)
         };
         forecasts.iter().zip(&self.samples).map(hold).collect()

@@ -84,6 +84,8 @@ impl Misfit {
     /// How well the place agrees, as a logarithm: 0 where it is as foretold. Unlike [`Misfit::favour`] it
     /// does not reward a forecast for being sharp, so that it compares one place in different media.
     pub(super) fn agreement(&self) -> f64 {
+        /// Both media are worth a try until one is plainly wrong.
+        const EDGE: f64 = 0.3;
         libm::log(EDGE + (1.0 - EDGE) * self.student())
     }
 
@@ -104,8 +106,6 @@ const AXES: usize = 4;
 const EACH_SIDE: usize = 3;
 /// No surface is as smooth as its points are exact: texture, mm.
 const TEXTURE: f64 = 0.15;
-/// A foretold depth that is more uncertain than this says nothing, mm.
-const USELESS: f64 = 30.0;
 /// Of an axis' forecasts so many differ at most.
 const DIFFERENT: f64 = 3.0;
 /// Faces steeper than this against the beam are hardly lit.
@@ -150,8 +150,9 @@ impl Forecasts {
         }
     }
 
-    /// How a place agrees with the forecast of each axis that suits it best.
-    pub(super) fn hold(&self, place: &Place, curvature: f64) -> Vec<Misfit> {
+    /// How a place agrees with the forecast of each axis that suits it best. Forecasts more uncertain than
+    /// `vaguest`, mm, are left out.
+    pub(super) fn hold(&self, place: &Place, curvature: f64, vaguest: f64) -> Vec<Misfit> {
         let depth = (place.point - self.beam.origin).dot(&self.beam.direction.vector());
         let own = place.sigma * place.sigma + TEXTURE * TEXTURE;
         let of_axis = |forecasts: &Vec<Forecast>| {
@@ -159,7 +160,7 @@ impl Forecasts {
             let misfits = forecasts.iter().filter_map(|forecast| {
                 let bend = curvature * forecast.chord;
                 let sigma = (own + forecast.variance + bend * bend).sqrt();
-                (sigma < USELESS).then_some(Misfit {
+                (sigma < vaguest).then_some(Misfit {
                     off: depth - forecast.depth,
                     sigma,
                     trust: forecast.trust,
@@ -267,7 +268,11 @@ pub(super) fn together(misfits: &[Misfit]) -> f64 {
 }
 
 /// The curvature under which the places that were chosen agree best with each other, 1/mm.
-pub(super) fn usual_curvature(forecasts: &[Option<Forecasts>], places: &[Option<Place>]) -> f64 {
+pub(super) fn usual_curvature(
+    forecasts: &[Option<Forecasts>],
+    places: &[Option<Place>],
+    vaguest: f64,
+) -> f64 {
     /// From 5 m to 20 mm of radius, in doubles.
     const FLATTEST: f64 = 2e-4;
     const DOUBLES: i32 = 9;
@@ -276,7 +281,7 @@ pub(super) fn usual_curvature(forecasts: &[Option<Forecasts>], places: &[Option<
         views
             .filter_map(|(forecasts, place)| {
                 Some(together(
-                    &forecasts.as_ref()?.hold(place.as_ref()?, curvature),
+                    &forecasts.as_ref()?.hold(place.as_ref()?, curvature, vaguest),
                 ))
             })
             .sum()

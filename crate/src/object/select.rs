@@ -113,6 +113,9 @@ fn odds_to_some_uniform(z: f64, range: f64, alike: f64) -> f64 {
 /// is more than 0.
 const SURE: f64 = 2.5;
 
+/// Even a vague forecast tells a ghost that lies centimetres off, mm.
+pub(super) const VAGUEST: f64 = 30.0;
+
 /// A number that the object's spots have in common, as a logarithm.
 #[derive(Clone, Copy)]
 struct Usual {
@@ -391,7 +394,7 @@ impl Scan<'_> {
             .collect();
         let light = Light {
             looks,
-            curvature: usual_curvature(&forecasts, &trusted),
+            curvature: usual_curvature(&forecasts, &trusted, VAGUEST),
         };
         let view = |(view, forecasts): (usize, &Option<Forecasts>)| {
             let beside = self.beside[view].iter().map(|other| missing[*other]);
@@ -425,7 +428,7 @@ struct Light {
 impl Light {
     fn evidence(&self, spot: &Fitting, prior: f64, seen: Option<(Place, &Forecasts)>) -> Evidence {
         let misfits = seen.map_or_else(Vec::new, |(place, forecasts)| {
-            forecasts.hold(&place, self.curvature)
+            forecasts.hold(&place, self.curvature, VAGUEST)
         });
         let surface = together(&misfits);
         let best = misfits
