@@ -8,13 +8,23 @@
 //! until nothing changes.
 
 use super::neighbours::{Forecasts, Misfit, Place, around, together, usual_curvature};
-use super::select::{Evidence, Look, Looks, VAGUEST};
+use super::select::{Evidence, Look, Looks};
 use crate::geometry::{Ray, World};
 
+/// Even a vague forecast tells a ghost that lies centimetres off, mm.
+const VAGUEST: f64 = 30.0;
 /// At so many points a curve is held against the others' surface.
 pub(super) const SAMPLES: usize = 12;
 /// So many of them share a fate: where a surface is foretold wrongly, it is for its neighbours, too.
-const ALIKE: f64 = 4.0;
+const ALIKE: f64 = 6.0;
+
+/// A sum of more than this takes a curve for the object's.
+const SURE: f64 = 2.5;
+
+/// Whether a curve is rather a ghost than the object's.
+pub(super) fn is_ghost(evidence: &Evidence) -> bool {
+    evidence.favour <= SURE
+}
 
 /// A curve that may be the object's.
 #[derive(Clone, Debug)]
@@ -47,9 +57,8 @@ pub(super) fn judge(arcs: &[Vec<Arc>]) -> Vec<Vec<Evidence>> {
     let mut evidence = vec![start; scan.arcs.len()];
     for _ in 0..ROUNDS {
         let next = scan.round(&evidence);
-        let supported =
-            |all: &[Evidence]| -> Vec<bool> { all.iter().map(Evidence::is_supported).collect() };
-        let settled = supported(&next) == supported(&evidence);
+        let ghosts = |all: &[Evidence]| -> Vec<bool> { all.iter().map(is_ghost).collect() };
+        let settled = ghosts(&next) == ghosts(&evidence);
         evidence = next;
         if settled {
             break;
@@ -141,7 +150,7 @@ impl<'a> Scan<'a> {
         let samples = self.samples.iter().zip(&self.around);
         let forecasts: Vec<Option<Forecasts>> = samples.map(of_sample).collect();
         let trusted =
-            |(sample, arc): (&Sample, &usize)| before[*arc].is_supported().then_some(sample.place);
+            |(sample, arc): (&Sample, &usize)| (!is_ghost(&before[*arc])).then_some(sample.place);
         let trusted: Vec<Option<Place>> =
             self.samples.iter().zip(&self.arc_of).map(trusted).collect();
         let curvature = usual_curvature(&forecasts, &trusted, VAGUEST);

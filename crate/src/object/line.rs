@@ -196,7 +196,7 @@ impl<'a> View<'a> {
         }
         let alone = |candidate: &Candidate| {
             let evidence: Evidence = of_curve[candidate.curve]?;
-            let refused = !candidate.said && !evidence.is_supported();
+            let refused = !candidate.said && arcs::is_ghost(&evidence);
             refused.then(|| Refusal::Alone(evidence.neighbourhood()))
         };
         let refused = &mut self.refused;

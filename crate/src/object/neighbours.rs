@@ -57,8 +57,6 @@ pub(super) struct Misfit {
     pub(super) sigma: f64,
     /// The probability that those who foretell it lie on the object themselves.
     pub(super) trust: f64,
-    /// From how many forecasts that differ it was chosen.
-    choice: f64,
 }
 
 impl Misfit {
@@ -76,16 +74,16 @@ impl Misfit {
     fn likelihood(&self) -> f64 {
         /// Ghosts seem to lie anywhere within this, mm.
         const ANYWHERE: f64 = 100.0;
+        /// Forecasts of an axis that differ.
+        const CHOICE: f64 = 3.0;
         /// Student's density at 0.
         const TOP: f64 = 0.353_553_390_593_273_8;
-        TOP * self.student() / self.sigma * ANYWHERE / self.choice
+        TOP * self.student() / self.sigma * ANYWHERE / CHOICE
     }
 
     /// How well the place agrees, as a logarithm: 0 where it is as foretold. Unlike [`Misfit::favour`] it
     /// does not reward a forecast for being sharp, so that it compares one place in different media.
     pub(super) fn agreement(&self) -> f64 {
-        /// Both media are worth a try until one is plainly wrong.
-        const EDGE: f64 = 0.3;
         libm::log(EDGE + (1.0 - EDGE) * self.student())
     }
 
@@ -99,15 +97,13 @@ impl Misfit {
 }
 
 /// How often an edge of the object spoils the forecasts of an axis.
-const EDGE: f64 = 0.15;
+const EDGE: f64 = 0.3;
 /// Along the sweep, across it, and between.
 const AXES: usize = 4;
 /// As many neighbours are asked on each side: two make a line.
 const EACH_SIDE: usize = 3;
 /// No surface is as smooth as its points are exact: texture, mm.
 const TEXTURE: f64 = 0.15;
-/// Of an axis' forecasts so many differ at most.
-const DIFFERENT: f64 = 3.0;
 /// Faces steeper than this against the beam are hardly lit.
 const STEEPEST: f64 = 4.0;
 
@@ -156,7 +152,6 @@ impl Forecasts {
         let depth = (place.point - self.beam.origin).dot(&self.beam.direction.vector());
         let own = place.sigma * place.sigma + TEXTURE * TEXTURE;
         let of_axis = |forecasts: &Vec<Forecast>| {
-            let choice = (forecasts.len() as f64).min(DIFFERENT);
             let misfits = forecasts.iter().filter_map(|forecast| {
                 let bend = curvature * forecast.chord;
                 let sigma = (own + forecast.variance + bend * bend).sqrt();
@@ -164,7 +159,6 @@ impl Forecasts {
                     off: depth - forecast.depth,
                     sigma,
                     trust: forecast.trust,
-                    choice,
                 })
             });
             misfits.max_by(|a, b| a.favour().total_cmp(&b.favour()))
@@ -280,9 +274,11 @@ pub(super) fn usual_curvature(
         let views = forecasts.iter().zip(places);
         views
             .filter_map(|(forecasts, place)| {
-                Some(together(
-                    &forecasts.as_ref()?.hold(place.as_ref()?, curvature, vaguest),
-                ))
+                Some(together(&forecasts.as_ref()?.hold(
+                    place.as_ref()?,
+                    curvature,
+                    vaguest,
+                )))
             })
             .sum()
     };

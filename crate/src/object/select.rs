@@ -1,15 +1,15 @@
 //! Which of the spots that pass by their ray distance is real: all views together.
 //!
-//! Three things speak for a spot, each as the logarithm of how much likelier they make it the object's than
+//! Four things speak for a spot, each as the logarithm of how much likelier they make it the object's than
 //! a ghost's: its ray distance, its agreement with the surface that the neighbouring views make
-//! ([`super::neighbours`]), and its brightness beside that of the object's other spots. In each view the
+//! ([`super::neighbours`]), and its brightness and its width beside those of the object's other spots. In each view the
 //! spot with the greatest sum is taken; as neighbours speak for each other, this is repeated until nothing
 //! changes. A spot with which no neighbours agree is refused at last, if the scan has shown that there are
 //! ghosts.
 
 use super::neighbours::{Forecasts, Misfit, Place, around, together, usual_curvature};
 use super::{Neighbourhood, ObjectPoint};
-use crate::geometry::{Point, Ray, World};
+use crate::geometry::{Ray, World};
 use crate::robust::{median, robust_scale};
 
 /// A spot that passes by its ray distance.
@@ -53,27 +53,18 @@ impl Evidence {
     /// against it, as a logarithm.
     const MOST: f64 = -3.0;
 
-    /// `before` is what speaks for a spot before one looks at it.
-    fn new(
-        spot: &Fitting,
-        before: f64,
-        looks: &Looks,
-        surface: f64,
-        misfit: Option<Misfit>,
-    ) -> Self {
+    fn new(spot: &Fitting, looks: &Looks, surface: f64, misfit: Option<Misfit>) -> Self {
         /// Ray distances of ghosts are as likely up to the limit, here in standard deviations.
         const GAPS: f64 = 8.0;
-        /// This part of them lies on the beam's image, as the object's spots do.
-        const ALIKE: f64 = 0.5;
-        let gap = odds_to_some_uniform(spot.gap, GAPS, ALIKE).max(Self::MOST);
+        let gap = odds_to_uniform(spot.gap, GAPS).max(Self::MOST);
         Self {
-            favour: before + gap + looks.favour(&spot.look) + surface,
+            favour: gap + looks.favour(&spot.look) + surface,
             misfit,
         }
     }
 
     /// Whether it is rather the object's than a ghost's.
-    pub(super) fn is_supported(&self) -> bool {
+    fn is_supported(&self) -> bool {
         self.favour > SURE
     }
 
@@ -111,10 +102,11 @@ fn odds_to_some_uniform(z: f64, range: f64, alike: f64) -> f64 {
 
 /// A sum of more than this takes a spot for the object's. A false point is worse than a missing one, so it
 /// is more than 0.
-const SURE: f64 = 2.5;
-
-/// Even a vague forecast tells a ghost that lies centimetres off, mm.
-pub(super) const VAGUEST: f64 = 30.0;
+const SURE: f64 = 1.85;
+/// The same for a view's only spot: a ghost would have to hide the object's, too.
+const ONLY: f64 = 1.65;
+/// A foretold depth that is more uncertain than this says nothing, mm.
+const VAGUEST: f64 = 10.0;
 
 /// A number that the object's spots have in common, as a logarithm.
 #[derive(Clone, Copy)]
@@ -178,50 +170,6 @@ impl Looks {
     }
 }
 
-/// How often what is seen, as the scan itself tells.
-#[derive(Clone, Copy, Debug)]
-struct Rates {
-    /// Ghosts that pass by their ray distance, of each view.
-    ghosts: f64,
-    /// Views in which the object's spot is missing.
-    missing: f64,
-}
-
-impl Rates {
-    /// Before anything is known.
-    const START: Self = Self {
-        ghosts: 0.05,
-        missing: 0.1,
-    };
-
-    /// Counted in what was chosen, each spot with the probability that it is the object's.
-    fn of(selections: &[Selection], strays: usize) -> Self {
-        let count = selections.len() as f64;
-        let spots: usize = selections.iter().map(|view| view.evidence.len()).sum();
-        let missing: f64 = selections.iter().map(Selection::missing).sum();
-        /// Where so many ghosts do not pass by their ray distance, one will that is not told otherwise.
-        const STRAYS: f64 = 0.25;
-        // Half a view more: that none was seen does not say that there are none.
-        let part = |views: f64| (views + 0.5) / (count + 1.0);
-        Self {
-            ghosts: part(spots as f64 - (count - missing) + STRAYS * strays as f64),
-            missing: part(missing),
-        }
-    }
-
-    /// How much likelier a view shows the object's spot than a ghost alone, before one looks at it: as a
-    /// logarithm. In so many of some views `beside` it the object's spot is missing.
-    fn favour(&self, missing: f64, beside: f64) -> f64 {
-        /// What makes a ghost hides the object's spot so often.
-        const HIDES: f64 = 0.25;
-        /// The whole scan counts as so many views beside it.
-        const SCAN: f64 = 0.3;
-        let missing = (missing + SCAN * self.missing) / (beside + SCAN);
-        let hidden = missing + (1.0 - missing) * HIDES;
-        libm::log((1.0 - missing) / (self.ghosts * hidden))
-    }
-}
-
 /// Selects each view's spot; `beams` are those behind the wall, `strays` is how many spots of the scan are
 /// no point of wall or object already.
 pub(super) fn select(
@@ -234,24 +182,16 @@ pub(super) fn select(
         return vec![Selection::default(); fitting.len()];
     };
     let mut selections = alone(fitting, &looks);
-    let mut rates = Rates::START;
-    let places = places(fitting, beams, &selections);
-    let scan = Scan {
-        fitting,
-        beams,
-        around: around_each(beams, &places),
-        beside: beside_each(beams, &places),
-    };
+    let around = around_each(beams, &places(fitting, beams, &selections));
     for _ in 0..ROUNDS {
-        let next = scan.round(&selections, &rates);
+        let next = round(fitting, beams, &around, &selections);
         let settled = choices(&next) == choices(&selections);
         selections = next;
-        rates = Rates::of(&selections, strays);
         if settled {
             break;
         }
     }
-    refuse_unsupported(&mut selections, strays);
+    refuse_unsupported(&mut selections, fitting, strays);
     selections
 }
 
@@ -282,17 +222,16 @@ impl Selection {
             .is_some_and(|spot| self.evidence[spot].is_supported())
     }
 
-    /// The probability that the object's spot is missing.
-    fn missing(&self) -> f64 {
-        let chosen = self.chosen.map(|spot| self.evidence[spot]);
-        chosen.map_or(1.0, |evidence| 1.0 - evidence.probability())
+    /// What speaks for the chosen spot.
+    fn favour(&self) -> Option<f64> {
+        Some(self.evidence[self.chosen?].favour)
     }
 }
 
 /// Each view by itself.
 fn alone(fitting: &[&[Fitting]], looks: &Looks) -> Vec<Selection> {
     // For a start everything is as if neighbours spoke for it.
-    let evidence = |spot: &Fitting| Evidence::new(spot, 2.0 * SURE, looks, 0.0, None);
+    let evidence = |spot: &Fitting| Evidence::new(spot, looks, 2.0 * SURE, None);
     let view = |spots: &&[Fitting]| Selection::best_of(spots.iter().map(evidence).collect());
     fitting.iter().map(view).collect()
 }
@@ -320,137 +259,85 @@ fn places(
     views.map(chosen).collect()
 }
 
-/// The views that lie beside each.
-fn beside_each(beams: &[Option<Ray<World>>], places: &[Option<Place>]) -> Vec<Vec<usize>> {
-    let depth = |(beam, place): (&Option<Ray<World>>, &Option<Place>)| {
-        let (beam, place) = (beam.as_ref()?, place.as_ref()?);
-        Some((place.point - beam.origin).dot(&beam.direction.vector()))
-    };
-    let depths: Vec<f64> = beams.iter().zip(places).filter_map(depth).collect();
-    if depths.is_empty() {
-        return vec![Vec::new(); beams.len()];
-    }
-    let depth = median(depths);
-    let ends: Vec<Option<Point<World>>> = beams
+/// Each view in the light of what was chosen in the others.
+fn round(
+    fitting: &[&[Fitting]],
+    beams: &[Option<Ray<World>>],
+    around: &[Vec<usize>],
+    before: &[Selection],
+) -> Vec<Selection> {
+    /// Few points of an object have no neighbours that foretell them.
+    const NOBODY: f64 = -2.5;
+    let chosen: Vec<Option<&Fitting>> = before
         .iter()
-        .map(|beam| Some(beam.as_ref()?.at(depth)))
+        .zip(fitting)
+        .map(|(selection, spots)| Some(&spots[selection.chosen?]))
         .collect();
-    let beside = |end: &Option<Point<World>>| end.map_or_else(Vec::new, |end| nearest(&ends, end));
-    ends.iter().map(beside).collect()
-}
-
-/// The few points that lie nearest to one of them, without itself.
-fn nearest(points: &[Option<Point<World>>], to: Point<World>) -> Vec<usize> {
-    const MOST: usize = 6;
-    let mut nearest: Vec<(f64, usize)> = Vec::new();
-    for (index, point) in points.iter().enumerate() {
-        let Some(distance) = point.map(|point| point.distance(to)) else {
-            continue;
-        };
-        let place = nearest.partition_point(|(other, _)| *other <= distance);
-        if place <= MOST {
-            nearest.insert(place, (distance, index));
-            nearest.truncate(MOST + 1);
-        }
-    }
-    // The first is the point itself.
-    nearest
-        .into_iter()
-        .skip(1)
-        .map(|(_, index)| index)
-        .collect()
-}
-
-/// What there is to choose from.
-struct Scan<'a> {
-    fitting: &'a [&'a [Fitting]],
-    beams: &'a [Option<Ray<World>>],
-    /// The views that each view's neighbours are among,
-    around: Vec<Vec<usize>>,
-    /// and those the beams of which pass beside its own.
-    beside: Vec<Vec<usize>>,
-}
-
-impl Scan<'_> {
-    /// Each view in the light of what was chosen in the others.
-    fn round(&self, before: &[Selection], rates: &Rates) -> Vec<Selection> {
-        let chosen = before.iter().zip(self.fitting);
-        let chosen = chosen.filter_map(|(selection, spots)| Some(&spots[selection.chosen?].look));
-        let Some(looks) = Looks::of(chosen) else {
-            return before.to_vec();
-        };
-        let places = places(self.fitting, self.beams, before);
-        let missing: Vec<f64> = before.iter().map(Selection::missing).collect();
-        let places: Vec<Option<Place>> = places
-            .into_iter()
-            .zip(&missing)
-            .map(|(place, missing)| Some(place?.trusted(1.0 - missing)))
-            .collect();
-        let forecasts = self.forecasts(&places);
-        let trusted: Vec<Option<Place>> = places
-            .iter()
-            .zip(before)
-            .map(|(place, selection)| place.filter(|_| selection.is_supported()))
-            .collect();
-        let light = Light {
-            looks,
-            curvature: usual_curvature(&forecasts, &trusted, VAGUEST),
-        };
-        let view = |(view, forecasts): (usize, &Option<Forecasts>)| {
-            let beside = self.beside[view].iter().map(|other| missing[*other]);
-            let prior = rates.favour(beside.sum(), self.beside[view].len() as f64);
-            let spots = self.fitting[view].iter();
-            let evidence = spots.map(|spot| {
-                let place = self.beams[view].as_ref().map(|beam| place(spot, beam));
-                light.evidence(spot, prior, place.zip(forecasts.as_ref()))
-            });
-            Selection::best_of(evidence.collect())
-        };
-        forecasts.iter().enumerate().map(view).collect()
-    }
-
-    fn forecasts(&self, places: &[Option<Place>]) -> Vec<Option<Forecasts>> {
-        let views = self.beams.iter().zip(&self.around);
-        let of_view = |(beam, around): (&Option<Ray<World>>, &Vec<usize>)| {
-            let others = around.iter().filter_map(|other| places[*other]);
+    let places = places(fitting, beams, before);
+    let trusted: Vec<Option<Place>> = places
+        .iter()
+        .zip(before)
+        .map(|(place, selection)| place.filter(|_| selection.is_supported()))
+        .collect();
+    let forecasts: Vec<Option<Forecasts>> = beams
+        .iter()
+        .enumerate()
+        .map(|(view, beam)| {
+            let others = around[view].iter().filter_map(|other| places[*other]);
             Some(Forecasts::of(beam.as_ref()?, others))
+        })
+        .collect();
+    let curvature = usual_curvature(&forecasts, &trusted, VAGUEST);
+    let Some(looks) = Looks::of(chosen.iter().flatten().map(|spot| &spot.look)) else {
+        return before.to_vec();
+    };
+    let view = |view: usize| {
+        let evidence = |spot: &Fitting| {
+            let hold = |(beam, forecasts): (&Ray<World>, &Forecasts)| {
+                forecasts.hold(&place(spot, beam), curvature, VAGUEST)
+            };
+            let misfits = beams[view]
+                .as_ref()
+                .zip(forecasts[view].as_ref())
+                .map_or_else(Vec::new, hold);
+            let surface = match misfits.is_empty() {
+                true => NOBODY,
+                false => together(&misfits),
+            };
+            let best = misfits
+                .iter()
+                .copied()
+                .max_by(|a, b| a.favour().total_cmp(&b.favour()));
+            Evidence::new(spot, &looks, surface, best)
         };
-        views.map(of_view).collect()
-    }
-}
-
-/// The light in which a spot is seen.
-struct Light {
-    looks: Looks,
-    curvature: f64,
-}
-
-impl Light {
-    fn evidence(&self, spot: &Fitting, prior: f64, seen: Option<(Place, &Forecasts)>) -> Evidence {
-        let misfits = seen.map_or_else(Vec::new, |(place, forecasts)| {
-            forecasts.hold(&place, self.curvature, VAGUEST)
-        });
-        let surface = together(&misfits);
-        let best = misfits
-            .into_iter()
-            .max_by(|a, b| a.favour().total_cmp(&b.favour()));
-        Evidence::new(spot, prior, &self.looks, surface, best)
-    }
+        Selection::best_of(fitting[view].iter().map(evidence).collect())
+    };
+    (0..fitting.len()).map(view).collect()
 }
 
 fn place(spot: &Fitting, beam: &Ray<World>) -> Place {
     Place::new(&spot.point.meeting, &spot.point.noise, beam)
 }
 
-/// Refuses what is rather a ghost than the object's, where there are ghosts at all.
-fn refuse_unsupported(selections: &mut [Selection], strays: usize) {
-    let spots = selections.iter().map(|view| view.evidence.len());
-    let outdone: usize = spots.map(|spots| spots.saturating_sub(1)).sum();
-    if strays + outdone == 0 {
+/// Refuses what no neighbours speak for, where there are ghosts at all: about as many may stand alone in
+/// their views as are seen beside others. Where far more spots stand alone, the surface is too rough, or
+/// its points too few, to judge by.
+fn refuse_unsupported(selections: &mut [Selection], fitting: &[&[Fitting]], strays: usize) {
+    let outdone: usize = fitting
+        .iter()
+        .map(|spots| spots.len().saturating_sub(1))
+        .sum();
+    let lone = selections
+        .iter()
+        .filter(|s| s.chosen.is_some() && !s.is_supported())
+        .count();
+    let ghosts = strays + outdone;
+    if ghosts == 0 || lone > 3 * ghosts + fitting.len() / 10 {
         return;
     }
-    for selection in selections {
-        if !selection.is_supported() {
+    for (selection, spots) in selections.iter_mut().zip(fitting) {
+        let least = if spots.len() == 1 { ONLY } else { SURE };
+        if selection.favour().is_some_and(|favour| favour <= least) {
             selection.chosen = None;
         }
     }
