@@ -266,8 +266,6 @@ fn round(
     around: &[Vec<usize>],
     before: &[Selection],
 ) -> Vec<Selection> {
-    /// Few points of an object have no neighbours that foretell them.
-    const NOBODY: f64 = -2.5;
     let chosen: Vec<Option<&Fitting>> = before
         .iter()
         .zip(fitting)
@@ -291,6 +289,7 @@ fn round(
     let Some(looks) = Looks::of(chosen.iter().flatten().map(|spot| &spot.look)) else {
         return before.to_vec();
     };
+    let nobody = nobody(before);
     let view = |view: usize| {
         let evidence = |spot: &Fitting| {
             let hold = |(beam, forecasts): (&Ray<World>, &Forecasts)| {
@@ -301,7 +300,7 @@ fn round(
                 .zip(forecasts[view].as_ref())
                 .map_or_else(Vec::new, hold);
             let surface = match misfits.is_empty() {
-                true => NOBODY,
+                true => nobody,
                 false => together(&misfits),
             };
             let best = misfits
@@ -313,6 +312,19 @@ fn round(
         Selection::best_of(fitting[view].iter().map(evidence).collect())
     };
     (0..fitting.len()).map(view).collect()
+}
+
+/// How likely it is that nobody foretells a point of the object, as a logarithm: rarely, but in scans of
+/// few views.
+fn nobody(before: &[Selection]) -> f64 {
+    const RARELY: f64 = -2.5;
+    let chosen = before.iter().filter_map(|s| Some(s.evidence[s.chosen?]));
+    let (mut count, mut unforetold) = (0.0, 0.0);
+    for evidence in chosen {
+        count += 1.0;
+        unforetold += f64::from(u8::from(evidence.misfit.is_none()));
+    }
+    libm::log((unforetold + 0.5) / (count + 1.0)).max(RARELY)
 }
 
 fn place(spot: &Fitting, beam: &Ray<World>) -> Place {
