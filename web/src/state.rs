@@ -17,7 +17,7 @@ use crate::making::Making;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
     About, Facts, FigureForm, FigureOf, Figured, Guest, Hand, Lab, LinkMade, Outcome, PageWish,
-    PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
+    PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep, start_graphics,
 };
 use crate::sessions::{Found, HowFar, Keeping, Record, Session};
 use crate::share;
@@ -368,10 +368,17 @@ impl Workbench {
         then: impl FnOnce(T) + 'static,
     ) {
         self.cancel();
+        // What comes is shown in 3-D.
+        start_graphics();
         self.problem.set(None);
         self.file_name.set(saying);
         self.progress.set(Some(Progress::default()));
-        let (waiting, handle) = abortable(what);
+        let (waiting, handle) = abortable(async move {
+            let come = what.await?;
+            // What is done with it is a task of its own.
+            sleep(0).await;
+            Ok(come)
+        });
         self.cancel.set_value(Some(handle));
         spawn_local(async move {
             match waiting.await {

@@ -5,6 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
+use js_sys::Reflect;
 use three_d::{ClearState, Context, CoreError, InnerSpace, RenderTarget, Vec2, Viewport};
 use wasm_bindgen::prelude::*;
 use web_sys::{
@@ -24,7 +25,7 @@ use super::points::{PointProgram, PointStyle, Points, ScenePoint};
 use super::section::Slab;
 use crate::files::save_blob;
 use crate::measuring::Picked;
-use crate::run::{now, sleep};
+use crate::run::{graphics_started, now, sleep};
 use crate::state::{Look, Section};
 
 /// Why there is no stage.
@@ -143,7 +144,10 @@ impl Stage {
         canvas: HtmlCanvasElement,
         labels: HtmlElement,
     ) -> Result<Self, NoStage> {
-        let context = graphics(&canvas)?;
+        graphics_started().await;
+        let graphics = graphics(&canvas)?;
+        sleep(0).await;
+        let context = context(graphics)?;
         sleep(0).await;
         let points = PointProgram::new(&context)?;
         sleep(0).await;
@@ -571,19 +575,29 @@ fn smooth(way: f32) -> f32 {
     way * way * (3.0 - 2.0 * way)
 }
 
-fn graphics(canvas: &HtmlCanvasElement) -> Result<Context, NoStage> {
+fn graphics(canvas: &HtmlCanvasElement) -> Result<WebGl2RenderingContext, NoStage> {
     let wishes = WebGlContextAttributes::new();
     wishes.set_antialias(true);
     // For pictures without a ground; what is shown has one.
     wishes.set_alpha(true);
-    let context = canvas
+    canvas
         .get_context_with_context_options("webgl2", &wishes)
         .ok()
         .flatten()
         .and_then(|context| context.dyn_into::<WebGl2RenderingContext>().ok())
-        .ok_or(NoStage)?;
+        .ok_or(NoStage)
+}
+
+/// glow asks for three dozen extensions. The scene needs none of them, and each has the page wait for the
+/// browser's graphics process: meanwhile there are none.
+fn context(graphics: WebGl2RenderingContext) -> Result<Context, CoreError> {
+    let asked = JsValue::from("getExtension");
+    let none = Closure::<dyn Fn() -> JsValue>::new(|| JsValue::NULL);
+    let _ = Reflect::set(&graphics, &asked, none.as_ref());
+    let bare = glow::Context::from_webgl2_context(graphics.clone());
+    let _ = Reflect::delete_property(&graphics, &asked);
     // three-d wants an `Arc`; nothing of it leaves the main thread.
     #[allow(clippy::arc_with_non_send_sync)]
-    let shared = Arc::new(glow::Context::from_webgl2_context(context));
-    Ok(Context::from_gl_context(shared)?)
+    let shared = Arc::new(bare);
+    Context::from_gl_context(shared)
 }
