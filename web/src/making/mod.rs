@@ -4,6 +4,7 @@
 mod arrival;
 mod form;
 mod state;
+mod views;
 
 use leptos::html;
 use leptos::prelude::*;

@@ -13,7 +13,9 @@ use wasm_bindgen_futures::spawn_local;
 use web_sys::{Blob, File};
 
 use super::arrival::Arrived;
-use crate::run::{Drafted, Hand, MakeReply, MakeRequest, Problem, sleep, unexpected};
+use crate::run::{
+    Drafted, Hand, MakeReply, MakeRequest, Problem, Thumbnail, ViewShown, sleep, unexpected,
+};
 
 /// A scan that is being made. A handle: copies mean the same.
 #[derive(Clone, Copy)]
@@ -157,6 +159,19 @@ impl Making {
             pictures,
             calibration: file(self.calibration.get_untracked()),
             poses: file(self.poses.get_untracked()),
+        }
+    }
+
+    /// A view's pictures, small: with the laser on, and with it off.
+    pub(super) async fn thumbnails(
+        self,
+        view: ViewShown,
+    ) -> Result<(Thumbnail, Option<Thumbnail>), Problem> {
+        let ViewShown { on, off, .. } = view;
+        let hand = self.hand().await?;
+        match hand.make(MakeRequest::Thumbnails { on, off }).await? {
+            MakeReply::Thumbnails(on, off) => Ok((on, off)),
+            _ => Err(unexpected()),
         }
     }
 
