@@ -447,6 +447,10 @@ impl Stage {
         self.0.frame_asked_for.set(None);
         let bending = self.step_refraction(time);
         let filling = self.0.set.borrow_mut().fill_some();
+        if filling {
+            // All of them once all are there: every frame of a million points would hold up the next ones.
+            self.0.pace.moves();
+        }
         self.match_resolution();
         let points = self.0.set.borrow().content.counts().iter().sum();
         self.draw(false, self.0.pace.points(time, points));
