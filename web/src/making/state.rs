@@ -36,6 +36,8 @@ pub(crate) struct Making {
     hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     /// Files, or answers, changed since the worker was told.
     news: StoredValue<News>,
+    /// The worker is at somebody's pictures.
+    developing: StoredValue<bool>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -60,6 +62,7 @@ impl Making {
             problem,
             hand: StoredValue::new_local(None),
             news: StoredValue::new(News::default()),
+            developing: StoredValue::new(false),
         }
     }
 
@@ -167,6 +170,18 @@ impl Making {
         self,
         view: ViewShown,
     ) -> Result<(Thumbnail, Option<Thumbnail>), Problem> {
+        const LOOK: i32 = 20;
+        // One at a time: what is typed meanwhile waits for one view's pictures, not for a screenful.
+        while self.developing.get_value() {
+            sleep(LOOK).await;
+        }
+        self.developing.set_value(true);
+        let thumbnails = self.developed(view).await;
+        self.developing.set_value(false);
+        thumbnails
+    }
+
+    async fn developed(self, view: ViewShown) -> Result<(Thumbnail, Option<Thumbnail>), Problem> {
         let ViewShown { on, off, .. } = view;
         let hand = self.hand().await?;
         match hand.make(MakeRequest::Thumbnails { on, off }).await? {

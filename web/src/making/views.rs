@@ -26,7 +26,10 @@ pub(super) fn ViewList() -> impl IntoView {
     let all =
         Memo::new(move |_| of_draft(making, |drafted| drafted.view_count).unwrap_or_default());
     let sight = Sight::new((ROW * letter()).round() as i32);
-    let made = Memo::new(move |_| sight.parts(listed.get()));
+    let made = Memo::new(move |_| match sight.is_open() {
+        true => sight.parts(listed.get()),
+        false => 0..0,
+    });
     let rows = move || {
         let made = made.get();
         let rows = views.with(|views| views.get(made.clone()).map(<[_]>::to_vec));
