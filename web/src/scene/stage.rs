@@ -139,22 +139,24 @@ impl Set {
 }
 
 impl Stage {
-    /// Each of its steps may take the graphics card long, so each is a task of its own.
+    /// Each of its steps may take the graphics card long, so each is a task of its own, and waits for the one before.
     pub(super) async fn new(
         canvas: HtmlCanvasElement,
         labels: HtmlElement,
     ) -> Result<Self, NoStage> {
         graphics_started().await;
+        // It takes the card long to change its size later.
+        match_resolution(&canvas);
         let graphics = graphics(&canvas)?;
-        sleep(0).await;
-        let context = context(graphics)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
+        let context = context(&graphics)?;
+        caught_up(&graphics).await;
         let points = PointProgram::new(&context)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
         let lines = LineProgram::new(&context)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
         let wall = Faces::new(&context)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
         let points = || Points::new(Rc::clone(&points));
         let lines = || Lines::new(&lines);
         let set = Set {
@@ -416,11 +418,7 @@ impl Stage {
 
     /// The canvas's size, CSS px.
     pub(super) fn css_size(&self) -> Vec2 {
-        let canvas = &self.0.canvas;
-        Vec2::new(
-            canvas.client_width().max(1) as f32,
-            canvas.client_height().max(1) as f32,
-        )
+        css_size(&self.0.canvas)
     }
 
     fn aspect(&self) -> f32 {
@@ -484,16 +482,10 @@ impl Stage {
 
     /// As many pixels as the screen has.
     fn match_resolution(&self) {
-        let ratio = web_sys::window().map_or(1.0, |w| w.device_pixel_ratio()) as f32;
-        let size = self.css_size() * ratio;
-        let (width, height) = (size.x.round() as u32, size.y.round() as u32);
-        let canvas = &self.0.canvas;
-        if canvas.width() != width || canvas.height() != height {
-            canvas.set_width(width);
-            canvas.set_height(height);
-            if let Some(subject) = self.0.fitted.get() {
-                self.fit(subject);
-            }
+        if match_resolution(&self.0.canvas)
+            && let Some(subject) = self.0.fitted.get()
+        {
+            self.fit(subject);
         }
     }
 
@@ -579,6 +571,46 @@ fn smooth(way: f32) -> f32 {
     way * way * (3.0 - 2.0 * way)
 }
 
+fn css_size(canvas: &HtmlCanvasElement) -> Vec2 {
+    Vec2::new(
+        canvas.client_width().max(1) as f32,
+        canvas.client_height().max(1) as f32,
+    )
+}
+
+/// Gives a canvas as many pixels as the screen has for it; true if it had others.
+fn match_resolution(canvas: &HtmlCanvasElement) -> bool {
+    let ratio = web_sys::window().map_or(1.0, |w| w.device_pixel_ratio()) as f32;
+    let size = css_size(canvas) * ratio;
+    let (width, height) = (size.x.round() as u32, size.y.round() as u32);
+    let is_other = canvas.width() != width || canvas.height() != height;
+    if is_other {
+        canvas.set_width(width);
+        canvas.set_height(height);
+    }
+    is_other
+}
+
+/// Ends when the graphics process has done what it was told. Whoever asks it something before, how a program
+/// was linked, say, is kept until it has; this asks in passing.
+async fn caught_up(graphics: &WebGl2RenderingContext) {
+    const LOOK: i32 = 4;
+    const MOST_LOOKS: usize = 500;
+    type Gl = WebGl2RenderingContext;
+    let Some(fence) = graphics.fence_sync(Gl::SYNC_GPU_COMMANDS_COMPLETE, 0) else {
+        return sleep(0).await;
+    };
+    graphics.flush();
+    for _ in 0..MOST_LOOKS {
+        sleep(LOOK).await;
+        let status = graphics.get_sync_parameter(&fence, Gl::SYNC_STATUS);
+        if status.as_f64() != Some(f64::from(Gl::UNSIGNALED)) {
+            break;
+        }
+    }
+    graphics.delete_sync(Some(&fence));
+}
+
 fn graphics(canvas: &HtmlCanvasElement) -> Result<WebGl2RenderingContext, NoStage> {
     let wishes = WebGlContextAttributes::new();
     wishes.set_antialias(true);
@@ -594,12 +626,12 @@ fn graphics(canvas: &HtmlCanvasElement) -> Result<WebGl2RenderingContext, NoStag
 
 /// glow asks for three dozen extensions. The scene needs none of them, and each has the page wait for the
 /// browser's graphics process: meanwhile there are none.
-fn context(graphics: WebGl2RenderingContext) -> Result<Context, CoreError> {
+fn context(graphics: &WebGl2RenderingContext) -> Result<Context, CoreError> {
     let asked = JsValue::from("getExtension");
     let none = Closure::<dyn Fn() -> JsValue>::new(|| JsValue::NULL);
-    let _ = Reflect::set(&graphics, &asked, none.as_ref());
+    let _ = Reflect::set(graphics, &asked, none.as_ref());
     let bare = glow::Context::from_webgl2_context(graphics.clone());
-    let _ = Reflect::delete_property(&graphics, &asked);
+    let _ = Reflect::delete_property(graphics, &asked);
     // three-d wants an `Arc`; nothing of it leaves the main thread.
     #[allow(clippy::arc_with_non_send_sync)]
     let shared = Arc::new(bare);

@@ -81,21 +81,9 @@ impl Keeping {
         file: Blob,
         kept: Option<Session>,
     ) {
-        let is_new = kept.is_none();
-        let session = match kept {
-            Some(session) => Ok(session),
-            None => Session::begin().await,
-        };
-        let kept = match session {
-            Ok(session) => {
-                let kept = self.try_to_keep(workbench, &file, &session, is_new).await;
-                kept.map_err(|error| (error, Unkept::News))
-            }
-            Err(error) => Err((error, Unkept::All)),
-        };
-        if let Err((error, what)) = kept {
+        if let Err(error) = self.try_to_keep(workbench, &file, kept).await {
             web_sys::console::info_2(&"The session is not kept:".into(), &error);
-            self.tell_unkept(workbench, what, &file);
+            self.tell_unkept(workbench, Unkept::News, &file);
         }
     }
 
@@ -103,9 +91,13 @@ impl Keeping {
         self: &Rc<Self>,
         workbench: Workbench,
         file: &Blob,
-        session: &Session,
-        is_new: bool,
+        kept: Option<Session>,
     ) -> Result<(), JsValue> {
+        let is_new = kept.is_none();
+        let session = match kept {
+            Some(session) => session,
+            None => Session::begin().await?,
+        };
         session.write(&self.record()).await?;
         if is_new {
             // It takes its time; what is measured meanwhile is kept all the same.
@@ -121,11 +113,11 @@ impl Keeping {
             }
             if phase == Phase::GivenUp {
                 return match is_new {
-                    true => self.discard(session).await,
+                    true => self.discard(&session).await,
                     false => Ok(()),
                 };
             }
-            self.write_news(workbench, session, &mut written).await?;
+            self.write_news(workbench, &session, &mut written).await?;
             sleep(LOOK).await;
         }
     }

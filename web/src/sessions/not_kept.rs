@@ -36,10 +36,8 @@ impl NotKept {
                 )
             }
             Unkept::News => {
-                "The browser\u{2019}s storage has no room, or fails: what you do from now on is not kept.".to_owned()
-            }
-            Unkept::All => {
-                "This browser keeps no files, as in a private window: the session ends with this page."
+                "The browser\u{2019}s storage has no room, fails, or is closed as in a private window: what you do \
+                 from now on is not kept."
                     .to_owned()
             }
         }
@@ -47,7 +45,7 @@ impl NotKept {
 
     fn remedy(&self) -> &'static str {
         match (self.what, self.origin) {
-            (Unkept::News | Unkept::All, _) => {
+            (Unkept::News, _) => {
                 "The measurement goes on. Save its result before you close the page."
             }
             (_, Origin::File) => "All else is kept; to go on, the session will ask for the file.",

@@ -68,10 +68,8 @@ pub(crate) enum Unkept {
     LargeArchive,
     /// A copy of its archive: the browser has no room for it, or fails.
     Archive,
-    /// What is new of it, likewise.
+    /// What is new of it, likewise; or all, where the browser keeps no files.
     News,
-    /// All of it: the browser keeps no files.
-    All,
 }
 
 /// How far a measurement is.
