@@ -318,7 +318,7 @@ fn without_any_room_the_measurement_goes_on() -> Result<()> {
         page.click("[aria-label='Close this note']")?;
         page.wait_until(
             "the note to be closed",
-            "!document.querySelector('[data-testid=not-kept]')",
+            "!document.querySelector('[data-testid=not-kept]').checkVisibility()",
         )?;
         turn_index(workbench, "1.34")?;
         page.wait_text(&part("stage-index"), "1.34")

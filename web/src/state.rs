@@ -20,7 +20,7 @@ use crate::run::{
     PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, Workers, sleep,
     start_graphics,
 };
-use crate::sessions::{Found, HowFar, Keeping, NotKept, Origin, Record, Session};
+use crate::sessions::{Found, HowFar, Keeping, Origin, Record, Session};
 use crate::share;
 
 /// What the colours in the scene mean.
@@ -121,8 +121,10 @@ pub(crate) struct Workbench {
     pub(crate) file_name: RwSignal<String>,
     /// What went wrong last.
     pub(crate) problem: RwSignal<Option<Problem>>,
-    /// What of the session cannot be kept.
-    pub(crate) unkept: RwSignal<Option<NotKept>, LocalStorage>,
+    /// What of the session cannot be kept; empty, and all is.
+    pub(crate) unkept: RwSignal<String>,
+    /// Its archive is nowhere else, and can be saved.
+    pub(crate) offers_archive: RwSignal<bool>,
     /// The scan that is shown.
     pub(crate) facts: RwSignal<Option<Arc<Facts>>>,
     /// What is shown, if it came without its archive.
@@ -192,7 +194,8 @@ impl Workbench {
             progress: RwSignal::new(None),
             file_name: RwSignal::new(String::new()),
             problem,
-            unkept: RwSignal::new_local(None),
+            unkept: RwSignal::new(String::new()),
+            offers_archive: RwSignal::new(false),
             facts: RwSignal::new(None),
             guest: RwSignal::new(None),
             outcome: RwSignal::new(None),
@@ -313,9 +316,8 @@ impl Workbench {
         found: Vec<Found>,
         session: Option<Session>,
     ) {
-        let keeping = Rc::new(Keeping::new(record));
+        let keeping = Rc::new(Keeping::new(record, file.clone()));
         let kept = Rc::clone(&keeping);
-        let archive = file.clone();
         let tell = move |progress| self.progress.set(Some(progress));
         let first_run = async move {
             let workers = Rc::new(Workers::open(file).await?);
@@ -330,6 +332,8 @@ impl Workbench {
             }
             keeping.measures(&workers);
             let outcome = workers.measure(&plan, tell).await;
+            // To show it is a task of its own.
+            sleep(0).await;
             Ok((workers, keeping, outcome))
         };
         let name = kept.record().file_name;
@@ -337,7 +341,7 @@ impl Workbench {
             self.show(workers, keeping, outcome);
         });
         self.opening.set_value(Some(Rc::clone(&kept)));
-        spawn_local(kept.keep(self, archive, session));
+        spawn_local(kept.keep(self, session));
     }
 
     /// Shows a reconstruction that comes without its archive: in a link, or in a file. What is shown stays
@@ -375,15 +379,10 @@ impl Workbench {
         // What comes is shown in 3-D.
         start_graphics();
         self.problem.set(None);
-        self.unkept.set(None);
+        self.unkept.set(String::new());
         self.file_name.set(saying);
         self.progress.set(Some(Progress::default()));
-        let (waiting, handle) = abortable(async move {
-            let come = what.await?;
-            // What is done with it is a task of its own.
-            sleep(0).await;
-            Ok(come)
-        });
+        let (waiting, handle) = abortable(what);
         self.cancel.set_value(Some(handle));
         spawn_local(async move {
             match waiting.await {
@@ -817,6 +816,11 @@ impl Workbench {
             None => HowFar::Stopped { views },
         });
         record
+    }
+
+    /// Who keeps what is being opened, or is shown.
+    pub(crate) fn keeping(self) -> Option<Rc<Keeping>> {
+        self.opening.get_value().or(self.kept.get_value())
     }
 
     fn is_current(self, workers: &Rc<Workers>) -> bool {

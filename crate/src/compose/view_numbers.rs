@@ -1,7 +1,5 @@
 //! Views by their numbers, as pages are named to a printer: `1-12, 20`.
 
-use std::collections::BTreeSet;
-
 /// Some of a scan's views. People count them from 1, the program from 0.
 ///
 /// ```
@@ -14,36 +12,35 @@ use std::collections::BTreeSet;
 /// # Ok::<(), String>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ViewNumbers(BTreeSet<usize>);
+pub struct ViewNumbers(Vec<bool>);
 
 impl ViewNumbers {
     /// Reads numbers and ranges of so many views, or says what is wrong with them.
     pub fn read(text: &str, views: usize) -> Result<Self, String> {
         let plain = text.replace(['\u{2013}', '\u{2212}'], "-");
         let parts = plain.split([',', ';']).map(str::trim);
-        let mut numbers = BTreeSet::new();
+        let mut numbers = vec![false; views];
         for part in parts.filter(|part| !part.is_empty()) {
             let (first, last) = part.split_once('-').unwrap_or((part, part));
             let (first, last) = (number(first, views)?, number(last, views)?);
             if last < first {
                 return Err(format!("{part} goes backwards"));
             }
-            numbers.extend(first - 1..last);
+            numbers[first - 1..last].fill(true);
         }
         Ok(Self(numbers))
     }
 
     /// Whether a view, counted from 0, is among them.
     pub fn has(&self, view: usize) -> bool {
-        self.0.contains(&view)
+        self.0.get(view) == Some(&true)
     }
 
     /// Takes a view, counted from 0, in or out.
     pub fn set(&mut self, view: usize, is_in: bool) {
-        match is_in {
-            true => self.0.insert(view),
-            false => self.0.remove(&view),
-        };
+        if let Some(known) = self.0.get_mut(view) {
+            *known = is_in;
+        }
     }
 }
 
@@ -63,18 +60,19 @@ fn number(word: &str, views: usize) -> Result<usize, String> {
 impl std::fmt::Display for ViewNumbers {
     /// As it is read.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut left = self.0.iter().peekable();
         let mut between = "";
-        while let Some(&first) = left.next() {
-            let mut last = first;
-            while left.next_if_eq(&&(last + 1)).is_some() {
-                last += 1;
+        let mut first = 0;
+        while first < self.0.len() {
+            let many = self.0[first..].iter().take_while(|is_in| **is_in).count();
+            match many {
+                0 => {}
+                1 => write!(f, "{between}{}", first + 1)?,
+                _ => write!(f, "{between}{}-{}", first + 1, first + many)?,
             }
-            match last == first {
-                true => write!(f, "{between}{}", first + 1)?,
-                false => write!(f, "{between}{}-{}", first + 1, last + 1)?,
+            if many > 0 {
+                between = ", ";
             }
-            between = ", ";
+            first += many + 1;
         }
         Ok(())
     }

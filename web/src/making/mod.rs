@@ -80,9 +80,8 @@ pub(crate) fn open(workbench: Workbench, mut files: Vec<Arrived>) {
 
 /// Opens a folder with a manifest.
 fn open_folder(workbench: Workbench, files: Vec<Arrived>) {
-    pack_folder(workbench, files, move |archive, name| {
-        workbench.open(archive, name, Origin::Folder);
-    });
+    let open = move |archive, name| workbench.open(archive, name, Origin::Folder);
+    pack_folder(workbench, files, Box::new(open));
 }
 
 /// Makes an archive of a folder that was chosen once more.
@@ -91,15 +90,11 @@ pub(crate) fn pack_chosen(
     input: NodeRef<html::Input>,
     then: impl FnOnce(Blob, String) + 'static,
 ) {
-    pack_folder(workbench, taken_from(input), then);
+    pack_folder(workbench, taken_from(input), Box::new(then));
 }
 
 /// Makes an archive of a folder with a manifest, and then does something with it and its name.
-fn pack_folder(
-    workbench: Workbench,
-    files: Vec<Arrived>,
-    then: impl FnOnce(Blob, String) + 'static,
-) {
+fn pack_folder(workbench: Workbench, files: Vec<Arrived>, then: Box<dyn FnOnce(Blob, String)>) {
     let name = files.first().and_then(|file| file.path.split_once('/'));
     let name = name.map_or("scan.json", |(folder, _)| folder).to_owned();
     let told = name.clone();

@@ -35,66 +35,66 @@ pub(super) fn ViewList() -> impl IntoView {
         let rows = views.with(|views| views.get(made.clone()).map(<[_]>::to_vec));
         made.zip(rows.unwrap_or_default()).collect::<Vec<_>>()
     };
-    let asks_air = Memo::new(move |_| asks_air(making).is_some());
     let last = StoredValue::new(None::<usize>);
     view! {
-        <Show when=move || { listed.get() > 0 }>
-            <details class="making-list" data-testid="pairs" on:toggle=move |_| sight.look()>
-                <summary>"The pairs"</summary>
+        <details
+            class="making-list"
+            data-testid="pairs"
+            hidden=move || listed.get() == 0
+            on:toggle=move |_| sight.look()
+        >
+            <summary>"The pairs"</summary>
+            <div
+                class="making-pairs"
+                tabindex="0"
+                role="region"
+                aria-label="Pairs of pictures"
+                node_ref=sight.frame
+                on:scroll=move |_| sight.look()
+            >
                 <div
-                    class="making-pairs"
-                    tabindex="0"
-                    role="region"
-                    aria-label="Pairs of pictures"
-                    node_ref=sight.frame
-                    on:scroll=move |_| sight.look()
+                    style:min-height=move || sight.length(listed.get())
+                    style:padding-top=move || sight.length(made.get().start)
                 >
-                    <div
-                        style:min-height=move || sight.length(listed.get())
-                        style:padding-top=move || sight.length(made.get().start)
-                    >
-                        <table aria-rowcount=move || (all.get() + 1).to_string()>
-                            <thead>
-                                <tr>
-                                    <th scope="col" class="number">"No."</th>
-                                    <th scope="col">"Laser on"</th>
-                                    <th scope="col">"Laser off"</th>
-                                    <Show when=move || asks_air.get()>
-                                        <th scope="col">"In air"</th>
-                                    </Show>
-                                </tr>
-                            </thead>
-                            <tbody>
-                                <For each=rows key=Clone::clone let((number, view))>
-                                    <Row number view asks_air last />
-                                </For>
-                            </tbody>
-                        </table>
-                    </div>
+                    <table class:asks-air=move || asks_air(making).is_some()>
+                        <thead>
+                            <tr>
+                                <th scope="col" class="number">"No."</th>
+                                <th scope="col">"Laser on"</th>
+                                <th scope="col">"Laser off"</th>
+                                <th scope="col" class="air">"In air"</th>
+                            </tr>
+                        </thead>
+                        <tbody>
+                            <For each=rows key=Clone::clone let((number, view))>
+                                {row(making, number, view, last)}
+                            </For>
+                        </tbody>
+                    </table>
                 </div>
-                <Show when=move || { listed.get() < all.get() }>
-                    <p class="help">{move || format!("The first {} of {} are listed.", listed.get(), all.get())}</p>
-                </Show>
-            </details>
-        </Show>
+            </div>
+            <p class="help">
+                {move || match all.get() {
+                    all if all > listed.get() => format!("The first {} of {all} are listed.", listed.get()),
+                    _ => String::new(),
+                }}
+            </p>
+        </details>
     }
 }
 
-#[component]
-fn Row(
+fn row(
+    making: Making,
     number: usize,
     view: ViewShown,
-    asks_air: Memo<bool>,
     last: StoredValue<Option<usize>>,
 ) -> impl IntoView {
-    let making = Workbench::get().making;
     let (on, off) = (
         NodeRef::<html::Canvas>::new(),
         NodeRef::<html::Canvas>::new(),
     );
     let name = view.id.clone();
     let (on_name, off_name) = (view.on.clone(), view.off.clone());
-    let has_off = off_name.is_some();
     Effect::new(move |_| {
         if let Some(on) = on.get() {
             fetch(making, view.clone(), on, off.get());
@@ -106,34 +106,32 @@ fn Row(
         last.set_value(Some(number));
         set_air(making, before.unwrap_or(number), number, !in_air());
     };
+    let picture = |canvas, name: Option<String>| {
+        view! {
+            <td>
+                <div class="making-picture">
+                    <canvas node_ref=canvas width="0" height="0" aria-hidden="true"></canvas>
+                    <span>{name.unwrap_or_else(|| "none".to_owned())}</span>
+                </div>
+            </td>
+        }
+    };
     view! {
-        <tr aria-rowindex=(number + 2).to_string()>
+        <tr>
             <th scope="row" class="number">{number + 1}</th>
-            <td>
-                <div class="making-picture">
-                    <canvas node_ref=on width="0" height="0" aria-hidden="true"></canvas>
-                    <span>{on_name}</span>
-                </div>
+            {picture(on, Some(on_name))}
+            {picture(off, off_name)}
+            <td class="air">
+                <input
+                    type="checkbox"
+                    data-testid=format!("air-{}", number + 1)
+                    aria-label=format!("View {}, {name}, is in air", number + 1)
+                    title="With Shift, all from the one before up to here"
+                    prop:checked=in_air
+                    disabled=move || numbers(making).is_err()
+                    on:click=choose
+                />
             </td>
-            <td>
-                <div class="making-picture">
-                    {has_off.then(|| view! { <canvas node_ref=off width="0" height="0" aria-hidden="true"></canvas> })}
-                    <span>{off_name.unwrap_or_else(|| "none".to_owned())}</span>
-                </div>
-            </td>
-            <Show when=move || asks_air.get()>
-                <td>
-                    <input
-                        type="checkbox"
-                        data-testid=format!("air-{}", number + 1)
-                        aria-label=format!("View {}, {name}, is in air", number + 1)
-                        title="With Shift, all from the one before up to here"
-                        prop:checked=in_air
-                        disabled=move || numbers(making).is_err()
-                        on:click=choose
-                    />
-                </td>
-            </Show>
         </tr>
     }
 }

@@ -8,8 +8,8 @@ use wasm_bindgen::JsValue;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
-use super::not_kept::NotKept;
-use super::record::{Found, HowFar, Record, Unkept};
+use super::not_kept::words;
+use super::record::{Found, HowFar, Origin, Record, Unkept};
 use super::session::Session;
 use crate::run::{Workers, sleep};
 use crate::state::Workbench;
@@ -19,6 +19,7 @@ const LOOK: i32 = 500;
 
 /// One scan on its way through the page, and what is kept of it.
 pub(crate) struct Keeping {
+    archive: Blob,
     record: RefCell<Record>,
     workers: RefCell<Option<Rc<Workers>>>,
     phase: Cell<Phase>,
@@ -35,12 +36,17 @@ enum Phase {
 }
 
 impl Keeping {
-    pub(crate) const fn new(record: Record) -> Self {
+    pub(crate) const fn new(record: Record, archive: Blob) -> Self {
         Self {
+            archive,
             record: RefCell::new(record),
             workers: RefCell::new(None),
             phase: Cell::new(Phase::Opening),
         }
+    }
+
+    pub(crate) const fn archive(&self) -> &Blob {
+        &self.archive
     }
 
     pub(crate) fn record(&self) -> Record {
@@ -75,22 +81,16 @@ impl Keeping {
     }
 
     /// Keeps it, until another scan is shown. What cannot be kept is said, and the measurement goes on.
-    pub(crate) async fn keep(
-        self: Rc<Self>,
-        workbench: Workbench,
-        file: Blob,
-        kept: Option<Session>,
-    ) {
-        if let Err(error) = self.try_to_keep(workbench, &file, kept).await {
+    pub(crate) async fn keep(self: Rc<Self>, workbench: Workbench, kept: Option<Session>) {
+        if let Err(error) = self.try_to_keep(workbench, kept).await {
             web_sys::console::info_2(&"The session is not kept:".into(), &error);
-            self.tell_unkept(workbench, Unkept::News, &file);
+            self.tell_unkept(workbench, Unkept::News);
         }
     }
 
     async fn try_to_keep(
         self: &Rc<Self>,
         workbench: Workbench,
-        file: &Blob,
         kept: Option<Session>,
     ) -> Result<(), JsValue> {
         let is_new = kept.is_none();
@@ -102,8 +102,7 @@ impl Keeping {
         if is_new {
             // It takes its time; what is measured meanwhile is kept all the same.
             let (keeping, id) = (Rc::clone(self), session.id().to_owned());
-            let file = file.clone();
-            spawn_local(async move { keeping.keep_archive(workbench, &id, &file).await });
+            spawn_local(async move { keeping.keep_archive(workbench, &id).await });
         }
         let mut written = self.record();
         loop {
@@ -123,27 +122,25 @@ impl Keeping {
     }
 
     /// Without its archive a session asks for that when it is opened.
-    async fn keep_archive(&self, workbench: Workbench, id: &str, archive: &Blob) {
+    async fn keep_archive(&self, workbench: Workbench, id: &str) {
         if !self.record().lacks_archive() {
-            let kept = async { Session::open(id).await?.keep_archive(archive).await };
+            let kept = async { Session::open(id).await?.keep_archive(&self.archive).await };
             let Err(error) = kept.await else { return };
             web_sys::console::info_2(&"The archive is not kept:".into(), &error);
             self.record.borrow_mut().unkept = Some(Unkept::Archive);
         }
         if let Some(what) = self.record().unkept {
-            self.tell_unkept(workbench, what, archive);
+            self.tell_unkept(workbench, what);
         }
     }
 
-    fn tell_unkept(&self, workbench: Workbench, what: Unkept, archive: &Blob) {
+    fn tell_unkept(&self, workbench: Workbench, what: Unkept) {
         if matches!(self.phase.get(), Phase::Opening | Phase::Shown) {
             let record = self.record();
-            workbench.unkept.set(Some(NotKept {
-                what,
-                origin: record.origin,
-                name: record.file_name,
-                archive: archive.clone(),
-            }));
+            workbench.unkept.set(words(what, &record));
+            workbench
+                .offers_archive
+                .set(record.origin == Origin::Pictures);
         }
     }
 

@@ -18,7 +18,7 @@ mod session;
 mod shelf;
 
 pub(crate) use keeping::Keeping;
-pub(crate) use not_kept::{NotKept, NotKeptNote};
+pub(crate) use not_kept::NotKeptNote;
 pub(crate) use record::{Found, HowFar, Origin, Record};
 pub(crate) use session::Session;
 pub(crate) use shelf::{Shelf, sweep};
