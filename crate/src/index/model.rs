@@ -424,7 +424,7 @@ impl<'a> Model<'a> {
         pixel: Pixel,
     ) -> Option<Vector2<f64>> {
         let rig = &hypothesis.state.rig;
-        let moved = sight.glow_offset * hypothesis.state.glow;
+        let moved = sight.by_glow_share * hypothesis.state.glow;
         let pixel = Pixel::new(pixel.u - moved.x, pixel.v - moved.y);
         let lit = rig.triangulate(rig.camera.slope(pixel).ok()?)?;
         let station = &self.setup.stations[sight.view];

@@ -16,6 +16,7 @@ pub use grain::Grain;
 pub(crate) use grain::GrainSample;
 pub use line::{Curve, Line, find_line};
 pub use noise::Noise;
+pub(crate) use regions::{ellipse_reach, moment_window};
 
 use crate::robust::sort_by_number;
 use nalgebra::{Matrix2, Vector2};

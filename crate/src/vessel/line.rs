@@ -308,7 +308,7 @@ impl Finder<'_> {
             spot,
             pixel,
             // To first order the ridge moves with the share.
-            glow_offset: match share > 0.0 {
+            by_glow_share: match share > 0.0 {
                 true => -shift / share,
                 false => Vector2::zeros(),
             },
