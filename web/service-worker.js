@@ -48,7 +48,7 @@ async function file(request, address) {
   const kept = await caches.match(request);
   if (kept) return kept;
   const answer = await fetch(request);
-  const isKept = address.pathname.includes("/samples/") || address.pathname.endsWith("/viewer.html");
+  const isKept = address.pathname.includes("/samples/") || /\/viewer\.(html|wasm)$/.test(address.pathname);
   if (answer.ok && isKept) {
     const cache = await caches.open(CACHE);
     await cache.put(request, answer.clone());

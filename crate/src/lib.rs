@@ -19,6 +19,7 @@ pub mod compose;
 pub mod export;
 pub mod geometry;
 pub mod index;
+mod json;
 pub mod lab;
 pub mod measure;
 pub mod object;

@@ -11,6 +11,24 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// Sorts by a number of each item; equal ones stay in order. For each type and each way to compare, `sort_by` is a
+/// program of its own; here it is one for all.
+pub(crate) fn sort_by_number<T>(items: &mut Vec<T>, number: impl Fn(&T) -> f64) {
+    let order = ordered(items.iter().map(number).zip(0..).collect());
+    let mut items_left: Vec<Option<T>> = items.drain(..).map(Some).collect();
+    items.extend(
+        order
+            .into_iter()
+            .filter_map(|(_, at)| items_left[at].take()),
+    );
+}
+
+#[inline(never)]
+fn ordered(mut numbers: Vec<(f64, usize)>) -> Vec<(f64, usize)> {
+    numbers.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    numbers
+}
+
 /// 1.4826 times the median size: the standard deviation, for normal errors.
 pub(crate) fn robust_scale(values: &[f64]) -> f64 {
     1.4826 * median(values.iter().map(|value| value.abs()).collect())
@@ -72,5 +90,24 @@ impl Choice {
             }
         }
         Some(chosen)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_sorted_by_their_number_and_equal_ones_stay_in_order() {
+        let mut items = vec![
+            ("a", 2.0),
+            ("b", -1.0),
+            ("c", 2.0),
+            ("d", f64::NAN),
+            ("e", 0.5),
+        ];
+        sort_by_number(&mut items, |item| item.1);
+        let names: String = items.iter().map(|item| item.0).collect();
+        assert_eq!(names, "beacd");
     }
 }

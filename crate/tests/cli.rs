@@ -647,10 +647,11 @@ fn a_table_is_made_and_measured_with() {
 
 #[test]
 fn share_puts_a_scan_into_the_viewer_beside_the_program_or_named() {
-    const VIEWER: &str = "<title>Snellius</title><!-- snellius:data -->";
+    const VIEWER: &str = "<title>Snellius</title><!-- snellius:data --><!-- snellius:module -->";
     let (folder, scan) = (Folder::new(), small_scan());
     let scan = folder.write("scan.zip", &scan);
     let viewer = folder.write("viewer.html", VIEWER.as_bytes());
+    folder.write("viewer.wasm", b"a module");
     let page = folder.path("page.html");
     let words = |more: &[&OsStr]| {
         let mut words = vec![OsStr::new("share"), scan.as_os_str()];
@@ -676,6 +677,7 @@ fn share_puts_a_scan_into_the_viewer_beside_the_program_or_named() {
         "{error}"
     );
     let other = folder.write("other.html", b"<html></html>");
+    folder.write("other.wasm", b"a module");
     let error = words(&[OsStr::new("--viewer"), other.as_os_str()]);
     let error = assert_ends_with(&error, 1);
     assert!(error.contains("no viewer of Snellius"), "{error}");

@@ -11,7 +11,9 @@ use snellius::compose::{
 };
 use snellius::geometry::{Flange, Point, Pose, World};
 use snellius::pipeline::{Settings, observe, reconstruct};
-use snellius::scan::{Archive, Manifest, Motion, PoseEntry, Scan};
+use snellius::scan::{
+    Archive, InsideMedium, KnownKind, Manifest, Motion, PoseEntry, Scan, VesselShape,
+};
 use zip::ZipArchive;
 
 fn calibration(file: &str) -> String {
@@ -598,6 +600,147 @@ fn every_gap_is_said() {
         draft.poses = Some(format!("[{}]", [one; 27].join(",")));
     });
     assert_eq!(bare, ["Quaternions: is w first or last?"]);
+}
+
+#[test]
+fn a_wall_known_beforehand_is_written_down() {
+    let draft = |answers: &[(Key, &str)]| {
+        let mut draft = draft_of(&take_apart("jar.zip"));
+        draft.answers.set(Key::WallKnown, "yes");
+        for (key, answer) in answers {
+            draft.answers.set(*key, *answer);
+        }
+        draft.compose()
+    };
+    let vessel = |answers: &[(Key, &str)]| {
+        let composed = draft(answers);
+        assert_eq!(sentences(&composed), [""; 0]);
+        composed.manifest.unwrap().vessel
+    };
+    let jar = vessel(&[
+        (Key::Shape, "cylinder"),
+        (Key::WallAxisPoint, "1 2 300"),
+        (Key::WallAxis, "0 1 0"),
+        (Key::WallRadius, "60"),
+        // Of another shape, and not asked for.
+        (Key::WallCentre, "no numbers"),
+    ]);
+    assert_eq!(jar.shape, VesselShape::Cylinder);
+    assert_eq!(jar.axis_point, Some([1.0, 2.0, 300.0]));
+    assert_eq!((jar.axis, jar.radius), (Some([0.0, 1.0, 0.0]), Some(60.0)));
+    let bowl = vessel(&[
+        (Key::Shape, "sphere"),
+        (Key::WallCentre, "1 2 300"),
+        (Key::WallRadius, "60"),
+    ]);
+    assert_eq!(
+        (bowl.center, bowl.radius),
+        (Some([1.0, 2.0, 300.0]), Some(60.0))
+    );
+    let tank = vessel(&[
+        (Key::Shape, "plane"),
+        (Key::WallPoint, "0 0 200"),
+        (Key::WallNormal, "0 0 -1"),
+        (Key::FarWall, "yes"),
+        (Key::FarDistance, "80"),
+        (Key::FarThickness, "3.5"),
+    ]);
+    assert_eq!(
+        tank.point.zip(tank.normal),
+        Some(([0.0, 0.0, 200.0], [0.0, 0.0, -1.0]))
+    );
+    assert_eq!(tank.axis.or(tank.center), None);
+    let far = tank.far_wall.unwrap();
+    assert_eq!((far.distance, far.thickness), (80.0, 3.5));
+
+    // What belongs to no wall of that shape is not asked for.
+    let auto = draft(&[(Key::Shape, "auto"), (Key::FarWall, "no")]);
+    assert!(!auto.asked.contains(&Key::WallKnown));
+    assert!(auto.asked.contains(&Key::FarWall) && !auto.asked.contains(&Key::FarDistance));
+    assert_eq!(auto.manifest.unwrap().vessel.radius, None);
+
+    let gaps = draft(&[(Key::Shape, "sphere"), (Key::WallRadius, "1")]);
+    assert_eq!(sentences(&gaps), ["The middle of the bowl: missing."]);
+    let gaps = draft(&[
+        (Key::Shape, "sphere"),
+        (Key::WallCentre, "1 2 300"),
+        (Key::WallRadius, "-60"),
+    ]);
+    assert_eq!(
+        sentences(&gaps),
+        ["vessel.radius: -60; it must be greater than 0."]
+    );
+    let gaps = draft(&[(Key::Shape, "plane"), (Key::FarWall, "yes")]);
+    assert_eq!(
+        sentences(&gaps),
+        [
+            "A point of the wall: missing.",
+            "The wall's normal: missing.",
+            "Between the two walls: missing.",
+            "Thickness of the far wall: missing.",
+        ]
+    );
+}
+
+#[test]
+fn what_is_known_of_the_object_is_written_down() {
+    let mut draft = draft_of(&take_apart("jar.zip"));
+    for (key, answer) in [
+        (Key::KnownAngle, "90"),
+        (Key::KnownEdge, "25,4"),
+        (Key::KnownRadius, "12.5"),
+        (Key::KnownFlat, "yes"),
+    ] {
+        draft.answers.set(key, answer);
+    }
+    let known = draft.compose().manifest.unwrap().known;
+    let said = known
+        .iter()
+        .map(|shape| (shape.kind, shape.degrees.or(shape.mm)));
+    assert_eq!(
+        said.collect::<Vec<_>>(),
+        [
+            (KnownKind::PlaneAngle, Some(90.0)),
+            (KnownKind::EdgeLength, Some(25.4)),
+            (KnownKind::Radius, Some(12.5)),
+            (KnownKind::Flatness, None),
+        ]
+    );
+    let answer = |key: Key, text: &str| gaps_after(|draft| draft.answers.set(key, text));
+    assert_eq!(
+        answer(Key::KnownAngle, "180"),
+        ["Angle between two flat faces: 180; it is more than 0 and less than 180."]
+    );
+    assert_eq!(
+        answer(Key::KnownEdge, "0"),
+        ["Distance of two parallel faces: 0; it is more than 0."]
+    );
+}
+
+#[test]
+fn views_in_air_are_said_by_their_numbers_or_by_the_poses() {
+    let mut draft = draft_of(&take_apart("jar.zip"));
+    assert!(
+        !draft.compose().asked.contains(&Key::InAir),
+        "the poses say it"
+    );
+    let without: Vec<&str> = draft.poses.as_deref().unwrap().lines().collect();
+    let without = without
+        .iter()
+        .filter_map(|line| Some(line.rsplit_once(',')?.0));
+    draft.poses = Some(without.collect::<Vec<_>>().join("\n"));
+    draft.answers.set(Key::InAir, "2-3, 27");
+    let composed = draft.compose();
+    assert!(composed.asked.contains(&Key::InAir));
+    let views = composed.manifest.unwrap().views;
+    let in_air = views.iter().filter(|view| view.inside == InsideMedium::Air);
+    let in_air: Vec<&str> = in_air.map(|view| view.id.as_str()).collect();
+    assert_eq!(in_air, ["0001", "0002", "0026"]);
+    draft.answers.set(Key::InAir, "28");
+    assert_eq!(
+        sentences(&draft.compose()),
+        ["Views in air: there is no view 28; they go from 1 to 27."]
+    );
 }
 
 #[test]

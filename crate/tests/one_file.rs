@@ -16,11 +16,13 @@ use snellius::export::{Format, OneOrMany, ReconstructionResult, Status};
 use snellius::index::IndexRange;
 use snellius::pipeline::Settings;
 use snellius::scan::{Archive, InsideMedium, Manifest};
-use snellius::share::{Document, DocumentError, Sightlines, document_in, one_file};
+use snellius::share::{Document, DocumentError, Sightlines, Viewer, document_in, one_file};
 
 /// As much of the viewer as matters here.
-const VIEWER: &str =
-    "<!doctype html><head><title>Snellius</title></head><body><!-- snellius:data --></body>";
+const VIEWER: Viewer = Viewer {
+    page: "<!doctype html><head><title>Snellius</title></head><body><!-- snellius:module --><!-- snellius:data --></body>",
+    module: b"module",
+};
 
 /// A measured sample, with another index than its own too.
 struct Measured {
@@ -67,9 +69,9 @@ fn objects(result: &ReconstructionResult) -> Vec<(String, [f64; 3], f64)> {
 #[test]
 fn a_page_gives_back_what_was_put_in() {
     let document = &TANK.document;
-    let page = one_file(VIEWER, document).unwrap();
+    let page = one_file(&VIEWER, document).unwrap();
     assert_eq!(&document_in(&page).unwrap(), document);
-    assert_eq!(page, one_file(VIEWER, document).unwrap(), "the same again");
+    assert_eq!(page, one_file(&VIEWER, document).unwrap(), "the same again");
     assert_eq!(document.title, document.result.scan);
     assert!(page.contains(&format!("<title>{}</title>", document.title)));
 }
@@ -226,9 +228,13 @@ fn markup_in_names_stays_text() {
     document.notes = markup.to_owned();
     document.result.scan = markup.to_owned();
     document.result.views[0].id = markup.to_owned();
-    let page = one_file(VIEWER, &document).unwrap();
-    assert_eq!(page.matches("<script").count(), 1, "the data's own alone");
-    assert_eq!(page.matches("</script").count(), 1);
+    let page = one_file(&VIEWER, &document).unwrap();
+    assert_eq!(
+        page.matches("<script").count(),
+        2,
+        "the module's and the data's"
+    );
+    assert_eq!(page.matches("</script").count(), 2);
     assert!(!page.contains("<img"));
     assert_eq!(document_in(&page).unwrap(), document);
 }
@@ -242,8 +248,16 @@ fn what_is_no_viewer_is_refused() {
             "<title>Snellius</title><!-- snellius:data --><!-- snellius:data -->",
             "2 times",
         ),
+        (
+            "<title>Snellius</title><!-- snellius:data -->",
+            "snellius:module",
+        ),
     ] {
-        let refused = one_file(viewer, &TANK.document).unwrap_err();
+        let viewer = Viewer {
+            page: viewer,
+            ..VIEWER
+        };
+        let refused = one_file(&viewer, &TANK.document).unwrap_err();
         assert!(refused.to_string().contains(place), "{refused}");
     }
 }
@@ -251,7 +265,7 @@ fn what_is_no_viewer_is_refused() {
 /// Pages and data of ill will: what is done to a good one, and what the message must say.
 #[test]
 fn pages_of_ill_will_are_errors() {
-    let good = one_file(VIEWER, &TANK.document).unwrap();
+    let good = one_file(&VIEWER, &TANK.document).unwrap();
     let message = |page: &str| document_in(page).unwrap_err().to_string();
     assert!(message("").contains("no reconstruction"));
     assert!(message("<html>holiday</html>").contains("no reconstruction"));

@@ -450,6 +450,18 @@ impl Page<'_> {
             .map(drop)
     }
 
+    /// Leaves the page room for so many bytes more in the browser's storage.
+    pub fn leave_room(&self, bytes: u64) -> Result<()> {
+        let [origin, used] = [
+            "location.origin",
+            "navigator.storage.estimate().then(({ usage }) => usage)",
+        ]
+        .map(|expression| self.value_of(expression));
+        let used = used?.as_f64().context("no estimate")?;
+        let quota = json!({ "origin": origin?, "quotaSize": used + bytes as f64 });
+        self.call("Storage.overrideQuotaForOrigin", quota).map(drop)
+    }
+
     /// Holds back whatever is fetched from addresses of a pattern (`*`, `?`), until it is let through.
     pub fn hold_back(&self, pattern: &str) -> Result<()> {
         let patterns = json!({ "patterns": [{ "urlPattern": pattern }] });

@@ -86,11 +86,15 @@ fn an_archive_of_more_than_4_gib_is_measured_and_gone_on_with_when_it_is_chosen_
         workbench.reconstruct(&archive)?;
         ensure!(result(workbench)? == expected, "the result is another");
 
-        // No copy is kept, and the list says so.
+        // No copy is kept; the page says so, and so does the list.
+        page.wait_text(
+            &part("not-kept"),
+            "This browser keeps no copy of \u{201c}large.zip\u{201d}: 4.3 GB are too many.",
+        )?;
         wait_kept(page, "Measured")?;
         page.reload()?;
         page.wait_text(&part("sessions"), "35 points")?;
-        page.wait_text(&part("sessions"), "too large to be kept")?;
+        page.wait_text(&part("sessions"), "no copy of its archive is kept")?;
         page.screenshot("session-without-archive")?;
         page.choose_files(&part("archive-again"), &[&tank])?;
         workbench.wait_failed(PATIENCE)?;

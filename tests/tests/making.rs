@@ -13,16 +13,18 @@ use snellius_tests::{
     PATIENCE, Page,
     companion::Output,
     places::samples,
-    workbench::{RECONSTRUCTION, Workbench, part, with_workbench},
+    workbench::{RECONSTRUCTION, Workbench, part, wait_kept, wait_promise, with_workbench},
 };
 use tempfile::TempDir;
 use zip::ZipArchive;
 
+fn sample(name: &str) -> Result<PathBuf> {
+    let found = samples()?.into_iter().find(|path| path.ends_with(name));
+    found.with_context(|| format!("no sample {name}"))
+}
+
 fn jar() -> Result<PathBuf> {
-    let found = samples()?
-        .into_iter()
-        .find(|path| path.ends_with("jar.zip"));
-    found.context("no sample jar.zip")
+    sample("jar.zip")
 }
 
 /// A sample's files in a folder: pictures in `scan/images`, `scan/scan.json`.
@@ -88,10 +90,10 @@ impl Parts {
     }
 
     /// What is typed into the form, by question.
-    fn answers(&self) -> [(&str, String); 8] {
+    fn answers(&self) -> Vec<(&str, String)> {
         let manifest = &self.manifest;
         let hand = &manifest["flange_from_camera"];
-        [
+        let mut answers = vec![
             (
                 "name",
                 manifest["name"].as_str().unwrap_or_default().to_owned(),
@@ -105,8 +107,11 @@ impl Parts {
                 manifest["vessel"]["wall_thickness"].to_string(),
             ),
             ("index-wall", manifest["media"]["wall"].to_string()),
-            ("index-inside", manifest["media"]["inside"].to_string()),
-        ]
+        ];
+        if let Some(index) = manifest["media"]["inside"].as_f64() {
+            answers.push(("index-inside", index.to_string()));
+        }
+        answers
     }
 }
 
@@ -155,6 +160,19 @@ fn give(workbench: &Workbench, parts: &Parts) -> Result<()> {
 
 fn complete(page: &Page) -> Result<()> {
     page.wait_text(".making-missing h2", "Everything is there")
+}
+
+/// What somebody typed.
+fn typed(page: &Page, name: &str) -> Result<String> {
+    let value = page.value_of(&format!("document.querySelector('{}').value", answer(name)))?;
+    Ok(value.as_str().context("no field")?.to_owned())
+}
+
+fn wait_checked(page: &Page, view: usize, is: bool) -> Result<()> {
+    page.wait_until(
+        &format!("view {view} in air: {is}"),
+        &format!("document.querySelector('[data-testid=air-{view}]').checked === {is}"),
+    )
 }
 
 /// The page shows the result that the companion program gives for the sample.
@@ -225,6 +243,148 @@ fn a_scan_is_made_measured_and_saved() -> Result<()> {
         ))?;
         ensure!(typed == "1.333", "{typed}");
         page.wait_text(&part("picture-count"), "54 pictures")
+    })
+}
+
+#[test]
+fn a_half_filled_tank_with_a_known_wall_is_made_and_measured() -> Result<()> {
+    let archive = sample("tank-paper.zip")?;
+    let parts = Parts::of(&archive)?;
+    let result: Value = serde_json::from_slice(&Output::of(&archive, &[])?.file("result.json")?)?;
+    let [point, normal] = ["point", "normal"].map(|key| numbers(&result["vessel"][key]));
+    with_workbench("make-known-wall", |workbench| {
+        let page = workbench.page;
+        workbench.click("make-scan")?;
+        give(workbench, &parts)?;
+        page.choose_option(&answer("shape"), "plane")?;
+        page.choose_option(&answer("wall-known"), "yes")?;
+        missing(page, "A point of the wall: missing")?;
+        missing(page, "The wall's normal: missing")?;
+        fill(page, "wall-point", &point)?;
+        fill(page, "wall-normal", &normal)?;
+        page.choose_option(&answer("far-wall"), "yes")?;
+        missing(page, "Between the two walls: missing")?;
+        page.choose_option(&answer("far-wall"), "no")?;
+        complete(page)?;
+
+        // What is behind the wall: typed, or chosen beside the pictures.
+        page.click("[data-testid=pairs] > summary")?;
+        page.wait_until(
+            "the pictures of the first pair",
+            "[...document.querySelectorAll('.making-pairs tbody tr:first-child canvas')]
+                .filter(canvas => canvas.width > 0).length === 2",
+        )?;
+        workbench.click("air-1")?;
+        page.wait_until(
+            "the number in the field",
+            &format!(
+                "document.querySelector('{}').value === '1'",
+                answer("in-air")
+            ),
+        )?;
+        fill(page, "in-air", "1-36")?;
+        missing(
+            page,
+            "Views in air: there is no view 36; they go from 1 to 35",
+        )?;
+        fill(page, "in-air", "1-3, 5-14")?;
+        wait_checked(page, 3, true)?;
+        wait_checked(page, 4, false)?;
+        workbench.click("air-4")?;
+        wait_checked(page, 4, true)?;
+        ensure!(
+            typed(page, "in-air")? == "1-14",
+            "{}",
+            typed(page, "in-air")?
+        );
+        complete(page)?;
+        for (scheme, width) in [("light", 1280), ("dark", 360)] {
+            page.prefer_scheme(scheme)?;
+            page.set_size(width, 900)?;
+            for part_of_form in ["part-pictures", "part-vessel", "part-media", "part-known"] {
+                page.picture_of(&part(part_of_form))?;
+                page.screenshot(&format!("making-{part_of_form}-{scheme}"))?;
+            }
+        }
+        page.set_size(1280, 900)?;
+
+        let saved = workbench.download("save-scan")?;
+        let made = parts.path("made.zip");
+        fs::write(&made, &saved.bytes)?;
+        let manifest: Value =
+            serde_json::from_reader(ZipArchive::new(File::open(&made)?)?.by_name("scan.json")?)?;
+        for key in ["point", "normal"] {
+            ensure!(
+                manifest["vessel"][key] == result["vessel"][key],
+                "{}",
+                manifest["vessel"]
+            );
+        }
+        let inside = |manifest: &Value| -> Vec<Value> {
+            let views = manifest["views"].as_array().into_iter().flatten();
+            views.map(|view| view["inside"].clone()).collect()
+        };
+        ensure!(
+            inside(&manifest) == inside(&parts.manifest),
+            "the media are others"
+        );
+        workbench.click("measure-scan")?;
+        measured_like(workbench, &made)
+    })
+}
+
+#[test]
+fn a_known_angle_is_asked_for_and_tells_the_index() -> Result<()> {
+    let archive = sample("angle.zip")?;
+    let parts = Parts::of(&archive)?;
+    with_workbench("make-known-angle", |workbench| {
+        let page = workbench.page;
+        workbench.click("make-scan")?;
+        give(workbench, &parts)?;
+        page.choose_option(&answer("shape"), "plane")?;
+        page.choose_option(&answer("index-known"), "no")?;
+        page.click("[data-testid=part-known] summary")?;
+        fill(page, "known-angle", "190")?;
+        missing(
+            page,
+            "Angle between two flat faces: 190; it is more than 0 and less than 180.",
+        )?;
+        fill(page, "known-angle", "90")?;
+        complete(page)?;
+        workbench.click("measure-scan")?;
+        measured_like(workbench, &archive)
+    })
+}
+
+#[test]
+fn a_scan_of_pictures_without_room_is_saved_and_gone_on_with() -> Result<()> {
+    let parts = Parts::of(&jar()?)?;
+    with_workbench("make-without-room", |workbench| {
+        let page = workbench.page;
+        wait_promise(
+            page,
+            "the page to be cached",
+            "navigator.serviceWorker.ready.then(() => true)",
+        )?;
+        page.leave_room(2_000_000)?;
+        workbench.click("make-scan")?;
+        give(workbench, &parts)?;
+        complete(page)?;
+        workbench.click("measure-scan")?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+        page.wait_text(&part("not-kept"), "the scan\u{2019}s archive. Save it now.")?;
+        page.screenshot("making-without-room")?;
+        let saved = workbench.download("save-unkept")?;
+        let made = parts.path("made.zip");
+        fs::write(&made, &saved.bytes)?;
+        wait_kept(page, "Measured")?;
+        page.reload()?;
+        page.wait_text(
+            &part("sessions"),
+            "the archive saved of them will be asked for",
+        )?;
+        page.choose_files(&part("archive-again"), &[&made])?;
+        measured_like(workbench, &made)
     })
 }
 

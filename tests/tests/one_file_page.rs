@@ -7,7 +7,7 @@ use serde_json::Value;
 use snellius_tests::{
     PATIENCE, Page,
     companion::{Output, share},
-    places::{dist, samples},
+    places::samples,
     with_page,
     workbench::part,
 };
@@ -221,10 +221,10 @@ fn two_points_are_measured_from_the_table_and_in_the_scene() -> Result<()> {
 
 #[test]
 fn the_data_of_version_1_is_shown_for_ever() -> Result<()> {
-    let viewer = fs::read_to_string(dist()?.join("viewer.html"))?;
+    let page = share(&sample("tank-paper")?, &[])?;
     opened(
         "one-file-v1",
-        with_data(&viewer, VERSION_1).as_bytes(),
+        with_data(&page, VERSION_1)?.as_bytes(),
         |page| {
             is_shown(page)?;
             assert_eq!(page.text(&part("title"))?, "A box in a tank");
@@ -240,16 +240,19 @@ fn the_data_of_version_1_is_shown_for_ever() -> Result<()> {
 
 const VERSION_1: &str = include_str!("../../crate/tests/data/page-v1.json");
 
-/// A page of anyone's making.
-fn with_data(viewer: &str, data: &str) -> String {
-    let block = format!("<script type=\"application/json\" id=\"snellius-data\">{data}</script>");
-    viewer.replacen("<!-- snellius:data -->", &block, 1)
+/// A page with data of anyone's making in place of its own.
+fn with_data(page: &[u8], data: &str) -> Result<String> {
+    const BEGIN: &str = "<script type=\"application/json\" id=\"snellius-data\">";
+    let page = str::from_utf8(page)?;
+    let (before, own) = page.split_once(BEGIN).context("no data in the page")?;
+    let (_, behind) = own.split_once("</script>").context("no end of the data")?;
+    Ok(format!("{before}{BEGIN}{data}</script>{behind}"))
 }
 
 /// Data of ill will: it is told what is wrong, and nothing in it runs.
 #[test]
 fn pages_of_ill_will_say_what_is_wrong() -> Result<()> {
-    let viewer = fs::read_to_string(dist()?.join("viewer.html"))?;
+    let page = share(&sample("tank-paper")?, &[])?;
     let deep = format!(r#""scan":{{"x":{}{},"#, "[".repeat(5000), "]".repeat(5000));
     let cases = [
         ("empty", String::new(), "cannot be shown"),
@@ -280,13 +283,12 @@ fn pages_of_ill_will_say_what_is_wrong() -> Result<()> {
     ];
     for (name, data, words) in cases {
         let name = format!("one-file-ill-{name}");
-        opened(&name, with_data(&viewer, &data).as_bytes(), |page| {
+        opened(&name, with_data(&page, &data)?.as_bytes(), |page| {
             page.wait_text(&part("error"), words)?;
             Ok(())
         })?;
     }
-    let cut = share(&sample("tank-paper")?, &[])?;
-    let without = String::from_utf8(cut)?.replace("id=\"snellius-data\"", "id=\"other\"");
+    let without = String::from_utf8(page)?.replace("id=\"snellius-data\"", "id=\"other\"");
     opened("one-file-ill-without", without.as_bytes(), |page| {
         page.wait_text(&part("error"), "no reconstruction")
     })
@@ -296,7 +298,7 @@ fn pages_of_ill_will_say_what_is_wrong() -> Result<()> {
 #[test]
 fn markup_in_names_is_text() -> Result<()> {
     let markup = "<img src=x onerror='window.ran=1'></title></script><script>window.ran=2</script>";
-    let viewer = fs::read_to_string(dist()?.join("viewer.html"))?;
+    let page = share(&sample("tank-paper")?, &[])?;
     let mut data: Value = serde_json::from_str(VERSION_1)?;
     data["title"] = markup.into();
     data["notes"] = markup.into();
@@ -308,7 +310,7 @@ fn markup_in_names_is_text() -> Result<()> {
     let data = data.to_string().replace('<', "\\u003c");
     opened(
         "one-file-markup",
-        with_data(&viewer, &data).as_bytes(),
+        with_data(&page, &data)?.as_bytes(),
         |page| {
             is_shown(page)?;
             assert_eq!(page.text(&part("title"))?, markup);

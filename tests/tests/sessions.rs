@@ -271,3 +271,56 @@ fn after_a_first_visit_the_page_works_without_a_network() -> Result<()> {
     ensure!(result(&workbench)? == expected, "the result is another");
     Ok(())
 }
+
+/// Waits until the page is cached, which takes room as well.
+fn wait_cached(page: &Page) -> Result<()> {
+    wait_promise(
+        page,
+        "the page to be cached",
+        "navigator.serviceWorker.ready.then(() => true)",
+    )
+}
+
+#[test]
+fn an_archive_without_room_is_told_and_asked_for_again() -> Result<()> {
+    let archive = tank()?;
+    let expected: Value = serde_json::from_slice(&Output::of(&archive, &[])?.file("result.json")?)?;
+    with_workbench("session-without-room", |workbench| {
+        let page = workbench.page;
+        wait_cached(page)?;
+        page.leave_room(2_000_000)?;
+        workbench.reconstruct(&archive)?;
+        page.wait_text(
+            &part("not-kept"),
+            "No copy of \u{201c}tank-paper.zip\u{201d}",
+        )?;
+        page.wait_text(&part("not-kept"), "will ask for the file")?;
+        page.screenshot("session-without-room")?;
+        ensure!(result(workbench)? == expected, "the result is another");
+        wait_kept(page, "Measured")?;
+        page.reload()?;
+        page.wait_text(&part("sessions"), "no copy of its archive is kept")?;
+        page.choose_files(&part("archive-again"), &[&archive])?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+        ensure!(result(workbench)? == expected, "the result is another");
+        Ok(())
+    })
+}
+
+#[test]
+fn without_any_room_the_measurement_goes_on() -> Result<()> {
+    with_workbench("session-without-any-room", |workbench| {
+        let page = workbench.page;
+        wait_cached(page)?;
+        page.leave_room(0)?;
+        workbench.reconstruct(&tank()?)?;
+        page.wait_text(&part("not-kept"), "what you do from now on is not kept")?;
+        page.click("[aria-label='Close this note']")?;
+        page.wait_until(
+            "the note to be closed",
+            "!document.querySelector('[data-testid=not-kept]').checkVisibility()",
+        )?;
+        turn_index(workbench, "1.34")?;
+        page.wait_text(&part("stage-index"), "1.34")
+    })
+}

@@ -12,7 +12,7 @@ use crate::problem_note::ProblemText;
 use crate::progress::RunningScreen;
 use crate::result::ResultScreen;
 use crate::run::Problem;
-use crate::sessions;
+use crate::sessions::{self, NotKeptNote};
 use crate::share;
 use crate::shortcuts::{self, HelpSheet};
 use crate::start::StartScreen;
@@ -48,6 +48,7 @@ fn App() -> impl IntoView {
         <FileInput />
         <main id="main">
             <ProblemNote />
+            <NotKeptNote />
             {move || match screen.get() {
                 Screen::Start => view! { <StartScreen /> }.into_any(),
                 Screen::Making => view! { <MakingScreen /> }.into_any(),

@@ -57,6 +57,11 @@ impl Sight {
         (from as usize).min(count)..(to as usize).min(count)
     }
 
+    /// Whether anything of it is seen: a frame that is folded away has no height.
+    pub(crate) fn is_open(self) -> bool {
+        self.seen.get() > 0
+    }
+
     /// How long so many parts are, CSS px.
     pub(crate) fn length(self, count: usize) -> String {
         format!("{}px", self.pitch as usize * count)

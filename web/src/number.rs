@@ -13,7 +13,11 @@ pub(crate) fn fixed(value: f64, digits: usize) -> String {
 
 /// A file's size.
 pub(crate) fn megabytes(bytes: f64) -> String {
-    format!("{:.1} MB", bytes / 1e6)
+    if bytes < 1e9 {
+        format!("{:.1} MB", bytes / 1e6)
+    } else {
+        format!("{:.1} GB", bytes / 1e9)
+    }
 }
 
 /// A time to come, no more exact than it is known.

@@ -13,8 +13,10 @@ use crate::state::Workbench;
 use crate::strip::Strip;
 use crate::table::ViewsTable;
 
-/// Scene, thumbnails, pictures, plots, table: in this order they come.
-const PARTS: usize = 5;
+/// Stages, scene, thumbnails, pictures, plots, table: in this order they come,
+const PARTS: usize = 6;
+/// with time between them for a frame, ms.
+const FRAME: i32 = 20;
 
 /// The result screen. Its parts come one after the other, each in a task of its own: all in one would keep the
 /// page from whoever uses it.
@@ -27,7 +29,7 @@ pub(crate) fn ResultScreen() -> impl IntoView {
     spawn_local(async move {
         // The screen may be left before all have come.
         while come.try_get_untracked().is_some_and(|parts| parts < PARTS) {
-            sleep(0).await;
+            sleep(FRAME).await;
             come.try_update(|parts| *parts += 1);
         }
     });
@@ -38,23 +40,25 @@ pub(crate) fn ResultScreen() -> impl IntoView {
             class:waiting=move || !is_measured.get()
             aria-busy=move || (come.get() < PARTS).to_string()
         >
-            <Show when=move || has(1)>
+            <Show when=move || has(2)>
                 <Scene />
             </Show>
             <div class="side">
                 <GuestNote />
-                <Stages />
+                <Show when=move || { come.get() > 0 }>
+                    <Stages />
+                </Show>
             </div>
-            <Show when=move || has(2) && has_pictures.get()>
+            <Show when=move || has(3) && has_pictures.get()>
                 <Strip />
             </Show>
-            <Show when=move || has(3) && has_pictures.get()>
+            <Show when=move || has(4) && has_pictures.get()>
                 <Pictures />
             </Show>
-            <Show when=move || has(4)>
+            <Show when=move || has(5)>
                 <Plots />
             </Show>
-            <Show when=move || has(5)>
+            <Show when=move || has(6)>
                 <ViewsTable />
             </Show>
         </div>

@@ -10,7 +10,7 @@ use crate::files;
 use crate::making::open_chosen;
 use crate::number::megabytes;
 use crate::run::Problem;
-use crate::sessions::Shelf;
+use crate::sessions::{Origin, Shelf};
 use crate::state::Workbench;
 
 /// A scan that comes with the page: an entry of `samples/index.json`.
@@ -167,7 +167,7 @@ fn SampleButton(sample: Sample) -> impl IntoView {
             match fetched {
                 Ok(blob) => {
                     workbench.comes_by_address(false);
-                    workbench.open(blob, title);
+                    workbench.open(blob, title, Origin::File);
                 }
                 Err(cause) => workbench.fail(Problem::input(
                     format!("The sample \"{title}\" could not be fetched: {cause}."),

@@ -16,10 +16,11 @@ use crate::history::History;
 use crate::making::Making;
 use crate::measuring::{Measuring, Picked};
 use crate::run::{
-    About, Facts, FigureForm, FigureOf, Figured, Guest, Hand, Lab, LinkMade, Outcome, PageWish,
-    PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, sleep,
+    About, Facts, FigureForm, FigureOf, Figured, Guest, Hand, LinkMade, Outcome, PageWish,
+    PictureSet, Plan, Problem, ProblemKind, Progress, Study, Thumbnail, Workers, sleep,
+    start_graphics,
 };
-use crate::sessions::{Found, HowFar, Keeping, Record, Session};
+use crate::sessions::{Found, HowFar, Keeping, Origin, Record, Session};
 use crate::share;
 
 /// What the colours in the scene mean.
@@ -120,6 +121,10 @@ pub(crate) struct Workbench {
     pub(crate) file_name: RwSignal<String>,
     /// What went wrong last.
     pub(crate) problem: RwSignal<Option<Problem>>,
+    /// What of the session cannot be kept; empty, and all is.
+    pub(crate) unkept: RwSignal<String>,
+    /// Its archive is nowhere else, and can be saved.
+    pub(crate) offers_archive: RwSignal<bool>,
     /// The scan that is shown.
     pub(crate) facts: RwSignal<Option<Arc<Facts>>>,
     /// What is shown, if it came without its archive.
@@ -164,7 +169,7 @@ pub(crate) struct Workbench {
     pub(crate) making: Making,
     /// The start screen was asked for, though there is a result.
     at_start: RwSignal<bool>,
-    lab: StoredValue<Option<Rc<Lab>>, LocalStorage>,
+    workers: StoredValue<Option<Rc<Workers>>, LocalStorage>,
     /// Who keeps what is opened, until it is shown,
     opening: StoredValue<Option<Rc<Keeping>>, LocalStorage>,
     /// and who keeps what is shown.
@@ -189,6 +194,8 @@ impl Workbench {
             progress: RwSignal::new(None),
             file_name: RwSignal::new(String::new()),
             problem,
+            unkept: RwSignal::new(String::new()),
+            offers_archive: RwSignal::new(false),
             facts: RwSignal::new(None),
             guest: RwSignal::new(None),
             outcome: RwSignal::new(None),
@@ -211,7 +218,7 @@ impl Workbench {
             help: RwSignal::new(false),
             making: Making::new(problem),
             at_start: RwSignal::new(false),
-            lab: StoredValue::new_local(None),
+            workers: StoredValue::new_local(None),
             opening: StoredValue::new_local(None),
             kept: StoredValue::new_local(None),
             by_address: StoredValue::new(false),
@@ -296,8 +303,8 @@ impl Workbench {
     }
 
     /// Measures a file. What is shown stays until the new scan is measured.
-    pub(crate) fn open(self, file: Blob, name: String) {
-        let record = Record::new(&name, file.size());
+    pub(crate) fn open(self, file: Blob, name: String, origin: Origin) {
+        let record = Record::new(&name, file.size(), origin);
         self.go_on(file, record, Vec::new(), None);
     }
 
@@ -309,31 +316,32 @@ impl Workbench {
         found: Vec<Found>,
         session: Option<Session>,
     ) {
-        let keeping = Rc::new(Keeping::new(record));
+        let keeping = Rc::new(Keeping::new(record, file.clone()));
         let kept = Rc::clone(&keeping);
-        let archive = file.clone();
         let tell = move |progress| self.progress.set(Some(progress));
         let first_run = async move {
-            let lab = Rc::new(Lab::open(file).await?);
-            if let Some(packed) = lab.facts().session.as_deref() {
+            let workers = Rc::new(Workers::open(file).await?);
+            if let Some(packed) = workers.facts().session.as_deref() {
                 keeping.take_over(packed);
             }
             let plan = keeping.record().plan;
             for found in found {
                 if found.settings == plan.settings.spots {
-                    lab.remember(found.settings, found.spots);
+                    workers.remember(found.settings, found.spots);
                 }
             }
-            keeping.measures(&lab);
-            let outcome = lab.measure(&plan, tell).await;
-            Ok((lab, keeping, outcome))
+            keeping.measures(&workers);
+            let outcome = workers.measure(&plan, tell).await;
+            // To show it is a task of its own.
+            sleep(0).await;
+            Ok((workers, keeping, outcome))
         };
         let name = kept.record().file_name;
-        self.wait_for(name, first_run, move |(lab, keeping, outcome)| {
-            self.show(lab, keeping, outcome);
+        self.wait_for(name, first_run, move |(workers, keeping, outcome)| {
+            self.show(workers, keeping, outcome);
         });
         self.opening.set_value(Some(Rc::clone(&kept)));
-        spawn_local(kept.keep(self, archive, session));
+        spawn_local(kept.keep(self, session));
     }
 
     /// Shows a reconstruction that comes without its archive: in a link, or in a file. What is shown stays
@@ -368,7 +376,10 @@ impl Workbench {
         then: impl FnOnce(T) + 'static,
     ) {
         self.cancel();
+        // What comes is shown in 3-D.
+        start_graphics();
         self.problem.set(None);
+        self.unkept.set(String::new());
         self.file_name.set(saying);
         self.progress.set(Some(Progress::default()));
         let (waiting, handle) = abortable(what);
@@ -418,7 +429,7 @@ impl Workbench {
     }
 
     /// Shows a scan: what it gave, or which stage failed.
-    fn show(self, lab: Rc<Lab>, keeping: Rc<Keeping>, outcome: Result<Outcome, Problem>) {
+    fn show(self, workers: Rc<Workers>, keeping: Rc<Keeping>, outcome: Result<Outcome, Problem>) {
         if let Err(problem) = &outcome
             && problem.stage.is_none_or(|stage| stage < Stage::Spots)
         {
@@ -426,9 +437,9 @@ impl Workbench {
         }
         let record = keeping.record();
         self.opening.set_value(None);
-        self.clear(lab.facts().clone(), record.plan.clone());
+        self.clear(workers.facts().clone(), record.plan.clone());
         self.history.set(record.history);
-        self.lab.set_value(Some(lab));
+        self.workers.set_value(Some(workers));
         self.kept.set_value(Some(Rc::clone(&keeping)));
         if let Err(problem) = &outcome
             && problem.kind != ProblemKind::IndexWanted
@@ -451,7 +462,7 @@ impl Workbench {
         if !self.by_address.get_value() {
             share::forget_address();
         }
-        self.lab.set_value(None);
+        self.workers.set_value(None);
         self.guest_hand.set_value(None);
         self.guest.set(None);
         self.facts.set(Some(Arc::new(facts)));
@@ -490,13 +501,13 @@ impl Workbench {
             return;
         }
         self.chosen.set(view);
-        let (Some(view), Some(lab)) = (view, self.lab.get_value()) else {
+        let (Some(view), Some(workers)) = (view, self.workers.get_value()) else {
             self.pictures.set(None);
             return;
         };
         spawn_local(async move {
-            let pictures = lab.pictures(view).await;
-            if !self.is_current(&lab) || self.chosen.get_untracked() != Some(view) {
+            let pictures = workers.pictures(view).await;
+            if !self.is_current(&workers) || self.chosen.get_untracked() != Some(view) {
                 return;
             }
             match pictures {
@@ -533,9 +544,9 @@ impl Workbench {
 
     /// A view's picture, small; `None` if the scan is gone by then.
     pub(crate) async fn thumbnail(self, view: usize) -> Option<Result<Thumbnail, Problem>> {
-        let lab = self.lab.get_value()?;
-        let thumbnail = lab.thumbnail(view).await;
-        self.is_current(&lab).then_some(thumbnail)
+        let workers = self.workers.get_value()?;
+        let thumbnail = workers.thumbnail(view).await;
+        self.is_current(&workers).then_some(thumbnail)
     }
 
     /// Chooses the next view, or the one before.
@@ -571,7 +582,7 @@ impl Workbench {
     /// Has it found out what the scan tells of the liquid's index, unless that is known already.
     pub(crate) fn ask_for_study(self) {
         let plan = self.plan().without_index();
-        let Some(lab) = self.lab.get_value() else {
+        let Some(workers) = self.workers.get_value() else {
             return;
         };
         if self.studied.get_value().as_ref() == Some(&plan) {
@@ -579,9 +590,9 @@ impl Workbench {
         }
         self.studied.set_value(Some(plan.clone()));
         spawn_local(async move {
-            let study = lab.study(&plan).await;
+            let study = workers.study(&plan).await;
             let still_wanted = self.studied.get_value().as_ref() == Some(&plan);
-            if self.is_current(&lab) && still_wanted {
+            if self.is_current(&workers) && still_wanted {
                 self.study.set(Some(Arc::new(study)));
             }
         });
@@ -671,7 +682,7 @@ impl Workbench {
 
     /// Measures until what was measured is what is set.
     async fn keep_up(self) {
-        while let Some((lab, plan, stage)) = self.open_change() {
+        while let Some((workers, plan, stage)) = self.open_change() {
             self.rerun.set(Some(Rerun {
                 stage,
                 progress: Progress::default(),
@@ -681,11 +692,11 @@ impl Workbench {
                 let stage = if found { Stage::Vessel } else { Stage::Spots };
                 self.rerun.set(Some(Rerun { stage, progress }));
             };
-            let run = pin!(lab.measure(&plan, tell));
+            let run = pin!(workers.measure(&plan, tell));
             let newer = pin!(self.newer_plan(&plan));
             // A run that is dropped here ends.
             if let Either::Left((outcome, _)) = select(run, newer).await
-                && self.is_current(&lab)
+                && self.is_current(&workers)
             {
                 self.measured.set_value(plan.clone());
                 self.take(plan.clone(), outcome);
@@ -695,13 +706,13 @@ impl Workbench {
     }
 
     /// A plan that is not measured yet, and the first stage it concerns.
-    fn open_change(self) -> Option<(Rc<Lab>, Plan, Stage)> {
-        let lab = self.lab.get_value()?;
+    fn open_change(self) -> Option<(Rc<Workers>, Plan, Stage)> {
+        let workers = self.workers.get_value()?;
         let plan = self.plan();
         let stage = self
             .measured
             .with_value(|measured| measured.first_changed(&plan))?;
-        Some((lab, plan, stage))
+        Some((workers, plan, stage))
     }
 
     /// Ends when the plan is no longer this one. A quick run has the time to end before: its result is
@@ -736,7 +747,7 @@ impl Workbench {
         if let Some(hand) = self.guest_hand.get_value() {
             return hand.write(format).await;
         }
-        self.settled_lab()
+        self.settled_workers()
             .await?
             .write(format, &self.shown.get_value())
             .await
@@ -747,8 +758,8 @@ impl Workbench {
         if let Some(hand) = self.guest_hand.get_value() {
             return hand.link(self.settings.get_untracked()).await;
         }
-        let lab = self.settled_lab().await?;
-        lab.link(&self.shown.get_value()).await
+        let workers = self.settled_workers().await?;
+        workers.link(&self.shown.get_value()).await
     }
 
     /// Writes a one-file page of what is shown.
@@ -756,8 +767,8 @@ impl Workbench {
         if let Some(hand) = self.guest_hand.get_value() {
             return hand.page(self.settings.get_untracked(), wish).await;
         }
-        let lab = self.settled_lab().await?;
-        lab.page(&self.shown.get_value(), wish).await
+        let workers = self.settled_workers().await?;
+        workers.page(&self.shown.get_value(), wish).await
     }
 
     /// Draws a figure of what is shown, or writes it as a table. Settings that were changed just now are
@@ -766,18 +777,18 @@ impl Workbench {
         if let Some(hand) = self.guest_hand.get_value() {
             return hand.figure(of, form).await;
         }
-        let lab = self.settled_lab().await?;
-        lab.figure((of, form), &self.shown.get_value()).await
+        let workers = self.settled_workers().await?;
+        workers.figure((of, form), &self.shown.get_value()).await
     }
 
-    /// The lab once it is at rest.
-    async fn settled_lab(self) -> Result<Rc<Lab>, Problem> {
+    /// The workers once they are at rest.
+    async fn settled_workers(self) -> Result<Rc<Workers>, Problem> {
         const LOOK: i32 = 20;
         while self.rerun.get_untracked().is_some() {
             sleep(LOOK).await;
         }
-        let lab = self.lab.get_value();
-        lab.ok_or_else(|| Problem::own("There is no result to save."))
+        let workers = self.workers.get_value();
+        workers.ok_or_else(|| Problem::own("There is no result to save."))
     }
 
     /// What is to be kept of what is being opened.
@@ -807,11 +818,16 @@ impl Workbench {
         record
     }
 
-    fn is_current(self, lab: &Rc<Lab>) -> bool {
-        self.lab.with_value(|current| {
+    /// Who keeps what is being opened, or is shown.
+    pub(crate) fn keeping(self) -> Option<Rc<Keeping>> {
+        self.opening.get_value().or(self.kept.get_value())
+    }
+
+    fn is_current(self, workers: &Rc<Workers>) -> bool {
+        self.workers.with_value(|current| {
             current
                 .as_ref()
-                .is_some_and(|current| Rc::ptr_eq(current, lab))
+                .is_some_and(|current| Rc::ptr_eq(current, workers))
         })
     }
 }

@@ -167,7 +167,8 @@ fn fetch(workbench: Workbench, view: usize, canvas: HtmlCanvasElement) {
     });
 }
 
-fn paint(canvas: &HtmlCanvasElement, thumbnail: &Thumbnail) {
+/// Paints a small picture.
+pub(crate) fn paint(canvas: &HtmlCanvasElement, thumbnail: &Thumbnail) {
     canvas.set_width(thumbnail.width);
     canvas.set_height(thumbnail.height);
     let context = canvas.get_context("2d").ok().flatten();

@@ -20,7 +20,7 @@ const BUILD_MARK: &str = "/* build */";
 /// What the service worker does not know of by name.
 const NOT_LISTED: [&str; 2] = ["samples", SERVICE_WORKER];
 /// Fetched when somebody makes a one-file page, and kept then, as samples are when somebody opens one.
-const KEPT_LATER: &str = "viewer.html";
+const KEPT_LATER: [&str; 2] = ["viewer.html", "viewer.wasm"];
 
 /// Finishes the page in the folder that Trunk names.
 pub(crate) fn run() -> Result<()> {
@@ -66,7 +66,7 @@ fn list_files(folder: &Path) -> Result<()> {
     for name in &files {
         (name, read(&folder.join(name))?).hash(&mut hasher);
     }
-    files.remove(KEPT_LATER);
+    files.retain(|name| !KEPT_LATER.contains(&name.as_str()));
     let script = folder.join(SERVICE_WORKER);
     replace(&script, FILES_MARK, &serde_json::to_string(&files)?)?;
     replace(&script, BUILD_MARK, &format!("{:016x}", hasher.finish()))

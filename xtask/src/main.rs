@@ -54,7 +54,7 @@ cargo xtask COMMAND
   serve [--port N] [--release | --debug]   build the page, serve it, print its address
   test [--only STEP]... [-- ARGUMENTS]     every check, in order; ARGUMENTS go to the tests of a single STEP
   dist                                     the page as static files in dist/, for any folder of any host
-  viewer                                   the viewer of one-file pages, in target/viewer/viewer.html
+  viewer                                   the viewer of one-file pages, in target/viewer
   npm                                      the core as an npm package in target/npm/snellius
   bench [SCAN.zip]...                      the core's benchmarks
   bench --large [SIZE]                     the page with an archive of 4.4 GB: memory, main thread, views a second

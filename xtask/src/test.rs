@@ -221,13 +221,14 @@ pub(crate) fn companion() -> Result<PathBuf> {
         "no companion program at {}",
         companion.display()
     );
-    if !viewer::viewer().is_file() {
+    if !viewer::files().iter().all(|file| file.is_file()) {
         setup::wasm_target()?;
         viewer::build(&tools::wasm_bindgen_program()?)?;
     }
-    let beside = companion.with_file_name("viewer.html");
-    fs::copy(viewer::viewer(), &beside)
-        .with_context(|| format!("cannot write {}", beside.display()))?;
+    for (file, name) in viewer::files().iter().zip(viewer::NAMES) {
+        let beside = companion.with_file_name(name);
+        fs::copy(file, &beside).with_context(|| format!("cannot write {}", beside.display()))?;
+    }
     Ok(companion)
 }
 

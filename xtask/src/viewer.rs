@@ -1,5 +1,5 @@
-//! The viewer that one-file pages are made of: `viewer/page` with its styles, scripts and WebAssembly put into
-//! the page itself, as `target/viewer/viewer.html`.
+//! The viewer that one-file pages are made of: `viewer/page` with its styles and scripts put into the page itself, as
+//! `target/viewer/viewer.html`, and its WebAssembly beside it. The core puts that into the pages that it makes.
 
 use std::{
     fs,
@@ -8,7 +8,6 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use base64::{Engine, prelude::BASE64_STANDARD};
-use miniz_oxide::deflate::compress_to_vec_zlib;
 use sha2::{Digest, Sha256};
 
 use crate::{
@@ -16,14 +15,14 @@ use crate::{
     setup::WASM,
 };
 
-/// Every one-file page carries all of this.
+/// Every one-file page carries all of this, the module deflated.
 const LIMIT_BYTES: usize = 1_200_000;
-/// As small as it gets.
-const BEST: u8 = 10;
+/// The page and its module.
+pub(crate) const NAMES: [&str; 2] = ["viewer.html", "viewer.wasm"];
 
 /// Where the viewer ends up. Trunk copies it from here into the site (web/index.html).
-pub(crate) fn viewer() -> PathBuf {
-    root().join("target").join("viewer").join("viewer.html")
+pub(crate) fn files() -> [PathBuf; 2] {
+    NAMES.map(|name| root().join("target").join("viewer").join(name))
 }
 
 /// Builds the viewer.
@@ -50,20 +49,17 @@ pub(crate) fn build(bindgen: &Path) -> Result<()> {
     let page = root().join("viewer").join("page");
     let html = inlined(&read(&page.join("viewer.html"))?, |name| match name {
         "snellius_viewer.js" => read(&folder.join(name)),
-        "snellius_viewer.wasm" => packed(&folder.join("snellius_viewer_bg.wasm")),
         name => read(&page.join(name)),
     })?;
+    let [page, module] = files();
+    fs::write(&page, &html)?;
+    fs::rename(folder.join("snellius_viewer_bg.wasm"), &module)?;
+    let bytes = html.len() + fs::metadata(&module)?.len() as usize;
     ensure!(
-        html.len() <= LIMIT_BYTES,
-        "the viewer has {} bytes; the limit is {LIMIT_BYTES} (xtask/src/viewer.rs)",
-        html.len()
+        bytes <= LIMIT_BYTES,
+        "the viewer has {bytes} bytes; the limit is {LIMIT_BYTES} (xtask/src/viewer.rs)"
     );
-    fs::write(viewer(), &html)?;
-    println!(
-        "viewer: {} ({:.2} MB)",
-        viewer().display(),
-        html.len() as f64 / 1e6
-    );
+    println!("viewer: {} ({:.2} MB)", page.display(), bytes as f64 / 1e6);
     Ok(())
 }
 
@@ -71,14 +67,8 @@ fn read(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
-/// A file as the base64 of its deflated bytes.
-fn packed(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    Ok(BASE64_STANDARD.encode(compress_to_vec_zlib(&bytes, BEST)))
-}
-
-/// Puts what a page names into the page: style sheets, scripts, and the WebAssembly as a text. The page's own
-/// scripts are the only ones that its content security policy then lets run.
+/// Puts what a page names into the page: style sheets and scripts. The page's own scripts are the only ones that its
+/// content security policy then lets run.
 fn inlined(html: &str, file: impl Fn(&str) -> Result<String>) -> Result<String> {
     let mut page = String::new();
     let mut hashes = Vec::new();
@@ -88,10 +78,6 @@ fn inlined(html: &str, file: impl Fn(&str) -> Result<String>) -> Result<String> 
         let script = between(r#"<script src=""#, r#""></script>"#);
         let put_in = match (style, script) {
             (Some(name), _) => format!("<style>\n{}</style>", file(name)?),
-            (_, Some(name)) if name.ends_with(".wasm") => {
-                let text = file(name)?;
-                format!(r#"<script type="text/plain" id="snellius-wasm">{text}</script>"#)
-            }
             (_, Some(name)) => {
                 let code = format!("\n{}", file(name)?);
                 ensure!(
@@ -126,7 +112,6 @@ mod tests {
             <meta content="script-src 'self' 'wasm-unsafe-eval'" />
             <link rel="icon" href="data:," />
             <link rel="stylesheet" href="a.css" />
-            <script src="b.wasm"></script>
             <script src="c.js"></script>
         "#;
         let file = |name: &str| Ok(format!("[{name}]\n"));
@@ -134,8 +119,6 @@ mod tests {
         for part in [
             "data:,",
             "<style>\n[a.css]\n</style>",
-            "text/plain",
-            "[b.wasm]",
             "<script>\n[c.js]\n</script>",
             // printf '\n[c.js]\n' | openssl dgst -sha256 -binary | base64
             "script-src 'sha256-3hBZgzd7h2LSnFZ1yMm3Jet8RZyaF3hN4hy3b0XjtTg=' 'wasm-unsafe-eval'",

@@ -1,3 +1,4 @@
+use crate::geometry::length;
 use nalgebra::{Matrix2, Vector2};
 
 /// OpenCV's distortion coefficients; those a camera does not have are 0.
@@ -47,7 +48,7 @@ impl Distortion {
         for _ in 0..50 {
             let (image, derivative) = self.apply_with_derivative(ideal);
             let error = distorted - image;
-            let settled = error.norm() < 1e-13;
+            let settled = length(&error) < 1e-13;
             ideal += derivative.try_inverse()? * error;
             if settled {
                 // Past a fold there are solutions too, but they are other rays'.

@@ -1,7 +1,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::Distortion;
-use crate::geometry::{Camera, Direction, Point};
+use crate::geometry::{Camera, Direction, Point, unit};
 
 /// A place in the picture; `(0, 0)` is the centre of the top-left pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl Slope {
 
     /// The unit vector of the line of sight.
     pub fn direction(self) -> Direction<Camera> {
-        Direction::assume_unit(self.homogeneous().normalize())
+        Direction::assume_unit(unit(self.homogeneous()))
     }
 }
 

@@ -1,11 +1,12 @@
 use std::env;
 use std::fs;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use super::reconstruct::WantedIndex;
 use super::{Failure, views};
 use crate::pipeline::{Settings, reconstruct};
-use crate::share::{Document, one_file};
+use crate::share::{Document, Viewer, one_file};
 
 /// Arguments of `snellius share`.
 #[derive(Debug, clap::Args)]
@@ -29,7 +30,7 @@ pub(super) struct Arguments {
     /// Measures views in air or liquid as the scan itself proposes, where scan.json seems wrong
     #[arg(long)]
     accept_media: bool,
-    /// The viewer; if left out, viewer.html beside this program
+    /// The viewer, which has viewer.wasm beside it; if left out, viewer.html beside this program
     #[arg(long, value_name = "VIEWER.html")]
     viewer: Option<PathBuf>,
     /// How many threads read pictures; 0 is one per core
@@ -40,7 +41,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.scan;
     // Before the work, so that nobody waits for nothing.
-    let (place, viewer) = viewer(arguments)?;
+    let (place, viewer, module) = viewer(arguments)?;
     let settings = Settings {
         index: arguments.index.and_then(WantedIndex::value),
         index_method: arguments.index.and_then(WantedIndex::method),
@@ -63,12 +64,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(scan.manifest.clone()),
         result,
     );
+    let viewer = Viewer {
+        page: &viewer,
+        module: &module,
+    };
     let page = one_file(&viewer, &document).map_err(|e| Failure::file(&place, e))?;
     fs::write(&arguments.output, page).map_err(|e| Failure::file(&arguments.output, e))
 }
 
-/// The viewer, and where it lies.
-fn viewer(arguments: &Arguments) -> Result<(PathBuf, String), Failure> {
+/// Where the viewer lies, its page and its module.
+fn viewer(arguments: &Arguments) -> Result<(PathBuf, String, Vec<u8>), Failure> {
     let place = match &arguments.viewer {
         Some(place) => place.clone(),
         None => {
@@ -76,14 +81,18 @@ fn viewer(arguments: &Arguments) -> Result<(PathBuf, String), Failure> {
             program.with_file_name("viewer.html")
         }
     };
-    match fs::read_to_string(&place) {
-        Ok(viewer) => Ok((place, viewer)),
-        Err(error) => Err(Failure::file(
-            &place,
-            format!(
-                "{error}; this is what one-file pages are made of: `cargo xtask viewer` builds it, every \
-                 site of Snellius has it beside its index.html, and --viewer says where it lies"
-            ),
-        )),
-    }
+    let module = place.with_extension("wasm");
+    let page = fs::read_to_string(&place).map_err(|error| no_viewer(&place, &error))?;
+    let module = fs::read(&module).map_err(|error| no_viewer(&module, &error))?;
+    Ok((place, page, module))
+}
+
+fn no_viewer(place: &Path, error: &io::Error) -> Failure {
+    Failure::file(
+        place,
+        format!(
+            "{error}; viewer.html and viewer.wasm are what one-file pages are made of: `cargo xtask viewer` builds \
+             them, every site of Snellius has them beside its index.html, and --viewer says where they lie"
+        ),
+    )
 }

@@ -5,10 +5,12 @@ use super::matching::match_poses;
 use super::pairs::{Pair, Pairing, pair};
 use super::poses::{LengthScale, ListedPose, PoseList, Reading, read_poses};
 use super::question::{Answers, Key, Part};
+use super::view_numbers::ViewNumbers;
 use crate::geometry::{Flange, Pose, World};
 use crate::scan::{
-    CalibrationSigmaEntry, CameraEntry, LaserEntry, LaserKind, LengthUnit, Manifest, MediaEntry,
-    Motion, PoseEntry, Scan, ScanError, ScanFormat, VesselEntry, VesselShape, ViewEntry,
+    CalibrationSigmaEntry, CameraEntry, FarWall, InsideMedium, KnownKind, KnownShape, LaserEntry,
+    LaserKind, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry, Scan, ScanError, ScanFormat,
+    VesselEntry, VesselShape, ViewEntry,
 };
 use crate::text::{count, some_of};
 
@@ -43,6 +45,8 @@ pub struct Composed {
     pub asked: Vec<Key>,
     /// The pictures, paired.
     pub pairing: Pairing,
+    /// The pictures of each view, in the views' order.
+    pub views: Vec<Pair>,
     /// The lens, if its file can be read.
     pub lens: Option<Lens>,
     /// How many poses there are, if their file can be read.
@@ -60,7 +64,8 @@ impl Draft {
         let mut gaps = Gaps::default();
         let lens = self.lens(&mut gaps);
         let list = self.list(&mut gaps);
-        let manifest = self.manifest(&pairing, lens.as_ref(), list.as_ref(), &mut gaps);
+        let views = self.taken(&pairing, &mut gaps);
+        let manifest = self.manifest(&views, lens.as_ref(), list.as_ref(), &mut gaps);
         let manifest = manifest.filter(|_| gaps.0.is_empty());
         let manifest = manifest.and_then(|manifest| gaps.check(manifest));
         let mut gaps = gaps.0;
@@ -70,6 +75,7 @@ impl Draft {
             lens,
             poses: list.map(|list| list.poses.len()),
             pairing,
+            views,
             gaps,
             manifest,
         }
@@ -87,11 +93,48 @@ impl Draft {
             Key::SigmaHandRotation | Key::SigmaHandTranslation => hand,
             Key::LaserDirection => !is_line,
             Key::LaserNormal => is_line,
+            Key::WallKnown => self.wall_keys().is_some(),
+            Key::WallPoint
+            | Key::WallNormal
+            | Key::WallAxisPoint
+            | Key::WallAxis
+            | Key::WallCentre
+            | Key::WallRadius => self.known_wall_keys().contains(key),
+            Key::FarWall => self.can_have_far_wall(),
+            Key::FarDistance | Key::FarThickness => self.has_far_wall(),
             Key::IndexInside => self.answers.get(Key::IndexKnown) != "no",
+            Key::InAir => !list.is_some_and(PoseList::says_inside),
             _ => true,
         };
         let keys = super::QUESTIONS.iter().map(|question| question.key);
         keys.filter(matters).collect()
+    }
+
+    /// What tells where a wall of the chosen shape stands, if it is one of those that can be known.
+    fn wall_keys(&self) -> Option<&'static [Key]> {
+        match self.shape() {
+            VesselShape::Plane => Some(&[Key::WallPoint, Key::WallNormal]),
+            VesselShape::Cylinder => Some(&[Key::WallAxisPoint, Key::WallAxis, Key::WallRadius]),
+            VesselShape::Sphere => Some(&[Key::WallCentre, Key::WallRadius]),
+            VesselShape::Freeform | VesselShape::Auto => None,
+        }
+    }
+
+    /// Likewise, and nothing if the wall is not known.
+    fn known_wall_keys(&self) -> &'static [Key] {
+        match self.answers.get(Key::WallKnown) {
+            "yes" => self.wall_keys().unwrap_or_default(),
+            _ => &[],
+        }
+    }
+
+    /// A far wall is measured through flat walls alone.
+    fn can_have_far_wall(&self) -> bool {
+        matches!(self.shape(), VesselShape::Plane | VesselShape::Auto)
+    }
+
+    fn has_far_wall(&self) -> bool {
+        self.can_have_far_wall() && self.answers.get(Key::FarWall) == "yes"
     }
 
     /// Whether the poses are the flange's, so that the camera's place on it matters.
@@ -138,18 +181,19 @@ impl Draft {
     /// The manifest, as far as everything is there.
     fn manifest(
         &self,
-        pairing: &Pairing,
+        views: &[Pair],
         lens: Option<&Lens>,
         list: Option<&PoseList>,
         gaps: &mut Gaps,
     ) -> Option<Manifest> {
         // Each looks for its own gaps, so none may stop the others.
         let camera = self.camera(lens, gaps);
-        let views = self.views(pairing, list, gaps);
+        let views = self.views(views, list, gaps);
         let hand = self.hand(gaps);
         let laser = self.laser(gaps);
         let vessel = self.vessel(gaps);
         let media = self.media(gaps);
+        let known = self.known(gaps);
         let calibration_sigma = self.calibration_sigma(gaps);
         Some(Manifest {
             format: ScanFormat::RefractiveScan,
@@ -163,7 +207,7 @@ impl Draft {
             calibration_sigma,
             vessel: vessel?,
             media: media?,
-            known: Vec::new(),
+            known,
             views: views?,
             extra: Default::default(),
         })
@@ -196,33 +240,55 @@ impl Draft {
 
     fn views(
         &self,
-        pairing: &Pairing,
+        views: &[Pair],
         list: Option<&PoseList>,
         gaps: &mut Gaps,
     ) -> Option<Vec<ViewEntry>> {
-        let views = self.taken(pairing, gaps);
+        let in_air = self.in_air(views.len(), list, gaps);
         let frames = Frames::named(self.answers.get(Key::Frames));
         if frames.is_none() {
             gaps.add(Part::Poses, "Choose what a pose says: its frames.");
         }
         let list = list.filter(|_| !views.is_empty())?;
-        let poses = match_poses(&views, list);
+        let poses = match_poses(views, list);
         let poses = poses.map_err(|sentences| {
             for sentence in sentences {
                 gaps.add(Part::Poses, sentence);
             }
         });
-        let frames = frames?;
+        let (frames, in_air) = (frames?, in_air?);
         let motion = self.motion();
-        let views = views.iter().zip(poses.ok()?);
-        let entries = views.map(|(view, pose)| entry(view, pose, frames, motion));
+        let views = views.iter().zip(poses.ok()?).enumerate();
+        let entries = views.map(|(number, (view, pose))| {
+            let inside = pose.inside.unwrap_or(match in_air.has(number) {
+                true => InsideMedium::Air,
+                false => InsideMedium::Liquid,
+            });
+            entry(view, pose, frames, motion, inside)
+        });
         Some(entries.collect())
     }
 
+    /// The views in air, unless the poses' file has its say.
+    fn in_air(
+        &self,
+        views: usize,
+        list: Option<&PoseList>,
+        gaps: &mut Gaps,
+    ) -> Option<ViewNumbers> {
+        if list.is_some_and(PoseList::says_inside) {
+            return Some(ViewNumbers::default());
+        }
+        let numbers = ViewNumbers::read(self.answers.get(Key::InAir), views);
+        let name = Key::InAir.question().label;
+        let numbers = numbers.map_err(|why| gaps.add(Part::Media, format!("{name}: {why}.")));
+        numbers.ok()
+    }
+
     /// The pictures that make views, in natural order.
-    fn taken<'a>(&self, pairing: &'a Pairing, gaps: &mut Gaps) -> Vec<&'a Pair> {
-        let mut views: Vec<&Pair> = pairing.pairs.iter().collect();
-        let alone = pairing.unpaired.iter().filter_map(|one| one.alone.as_ref());
+    fn taken(&self, pairing: &Pairing, gaps: &mut Gaps) -> Vec<Pair> {
+        let mut views = pairing.pairs.clone();
+        let alone = pairing.unpaired.iter().filter_map(|one| one.alone.clone());
         match self.answers.get(Key::Alone) {
             "alone" => views.extend(alone),
             "skip" => {}
@@ -298,23 +364,46 @@ impl Draft {
         })
     }
 
+    fn shape(&self) -> VesselShape {
+        match self.answers.get(Key::Shape) {
+            "plane" => VesselShape::Plane,
+            "cylinder" => VesselShape::Cylinder,
+            "sphere" => VesselShape::Sphere,
+            "freeform" => VesselShape::Freeform,
+            _ => VesselShape::Auto,
+        }
+    }
+
     fn vessel(&self, gaps: &mut Gaps) -> Option<VesselEntry> {
+        let wall_thickness = self.one(Key::WallThickness, gaps);
+        let wanted = self.known_wall_keys();
+        let mut place = |key: Key| wanted.contains(&key).then(|| self.numbers(key, gaps))?;
+        let [point, normal] = [Key::WallPoint, Key::WallNormal].map(&mut place);
+        let [axis_point, axis] = [Key::WallAxisPoint, Key::WallAxis].map(&mut place);
+        let center = place(Key::WallCentre);
+        let radius = wanted.contains(&Key::WallRadius);
+        let radius = radius.then(|| self.one(Key::WallRadius, gaps)).flatten();
+        let far_wall = self.has_far_wall().then(|| self.far_wall(gaps)).flatten();
         Some(VesselEntry {
-            shape: match self.answers.get(Key::Shape) {
-                "plane" => VesselShape::Plane,
-                "cylinder" => VesselShape::Cylinder,
-                "sphere" => VesselShape::Sphere,
-                "freeform" => VesselShape::Freeform,
-                _ => VesselShape::Auto,
-            },
-            wall_thickness: self.one(Key::WallThickness, gaps)?,
-            point: None,
-            normal: None,
-            axis_point: None,
-            axis: None,
-            center: None,
-            radius: None,
-            far_wall: None,
+            shape: self.shape(),
+            wall_thickness: wall_thickness?,
+            point,
+            normal,
+            axis_point,
+            axis,
+            center,
+            radius,
+            far_wall,
+            extra: Default::default(),
+        })
+    }
+
+    fn far_wall(&self, gaps: &mut Gaps) -> Option<FarWall> {
+        let distance = self.one(Key::FarDistance, gaps);
+        let thickness = self.one(Key::FarThickness, gaps);
+        Some(FarWall {
+            distance: distance?,
+            thickness: thickness?,
             extra: Default::default(),
         })
     }
@@ -334,12 +423,32 @@ impl Draft {
         })
     }
 
+    /// What is known of the object; its faces are found.
+    fn known(&self, gaps: &mut Gaps) -> Vec<KnownShape> {
+        let of = |kind, degrees, mm| KnownShape {
+            kind,
+            degrees,
+            mm,
+            weight: 1.0,
+            views: None,
+            extra: Default::default(),
+        };
+        let angle = self.below(180.0, Key::KnownAngle, gaps);
+        let edge = self.below(f64::INFINITY, Key::KnownEdge, gaps);
+        let radius = self.below(f64::INFINITY, Key::KnownRadius, gaps);
+        let is_flat = self.answers.get(Key::KnownFlat) == "yes";
+        let known = [
+            angle.map(|degrees| of(KnownKind::PlaneAngle, Some(degrees), None)),
+            edge.map(|mm| of(KnownKind::EdgeLength, None, Some(mm))),
+            radius.map(|mm| of(KnownKind::Radius, None, Some(mm))),
+            is_flat.then(|| of(KnownKind::Flatness, None, None)),
+        ];
+        known.into_iter().flatten().collect()
+    }
+
     /// What was typed, and nothing for what was not: the manifest's defaults are the form's.
     fn calibration_sigma(&self, gaps: &mut Gaps) -> Option<CalibrationSigmaEntry> {
-        let mut of = |key: Key| match self.answers.get(key) {
-            "" => None,
-            _ => self.one(key, gaps),
-        };
+        let mut of = |key: Key| self.optional(key, gaps);
         let entry = CalibrationSigmaEntry {
             laser_origin: of(Key::SigmaLaserOrigin),
             laser_direction: of(Key::SigmaLaserDirection),
@@ -358,6 +467,31 @@ impl Draft {
             entry.hand_eye_translation,
         ];
         given.iter().any(Option::is_some).then_some(entry)
+    }
+
+    /// A number between 0 and a limit, if one is given.
+    fn below(&self, limit: f64, key: Key, gaps: &mut Gaps) -> Option<f64> {
+        let number = self.optional(key, gaps)?;
+        if number > 0.0 && number < limit {
+            return Some(number);
+        }
+        let name = key.question().label;
+        let most = match limit.is_finite() {
+            true => format!(" and less than {limit}"),
+            false => String::new(),
+        };
+        gaps.add(
+            key.question().part,
+            format!("{name}: {number}; it is more than 0{most}."),
+        );
+        None
+    }
+
+    fn optional(&self, key: Key, gaps: &mut Gaps) -> Option<f64> {
+        match self.answers.get(key) {
+            "" => None,
+            _ => self.one(key, gaps),
+        }
     }
 
     fn one(&self, key: Key, gaps: &mut Gaps) -> Option<f64> {
@@ -430,7 +564,13 @@ impl Frames {
 }
 
 /// A view of the manifest, with its pose in the direction that the motion asks for.
-fn entry(view: &Pair, pose: &ListedPose, frames: Frames, motion: Motion) -> ViewEntry {
+fn entry(
+    view: &Pair,
+    pose: &ListedPose,
+    frames: Frames,
+    motion: Motion,
+    inside: InsideMedium,
+) -> ViewEntry {
     let wanted = match motion {
         Motion::Rig => Frames::InWorld,
         Motion::Vessel => Frames::OfWorld,
@@ -451,7 +591,7 @@ fn entry(view: &Pair, pose: &ListedPose, frames: Frames, motion: Motion) -> View
         off: view.off.clone(),
         world_from_flange,
         flange_from_world,
-        inside: pose.inside.unwrap_or_default(),
+        inside,
         extra: Default::default(),
     }
 }

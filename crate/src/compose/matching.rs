@@ -9,7 +9,7 @@ use crate::text::{count, some_of};
 
 /// The pose of each view, or the sentences on why they do not fit.
 pub(super) fn match_poses<'a>(
-    views: &[&Pair],
+    views: &[Pair],
     list: &'a PoseList,
 ) -> Result<Vec<&'a ListedPose>, Vec<String>> {
     let by_name = by_name(views, list);
@@ -20,7 +20,7 @@ pub(super) fn match_poses<'a>(
     by_name.or_else(|_| in_order(views, list))
 }
 
-fn in_order<'a>(views: &[&Pair], list: &'a PoseList) -> Result<Vec<&'a ListedPose>, Vec<String>> {
+fn in_order<'a>(views: &[Pair], list: &'a PoseList) -> Result<Vec<&'a ListedPose>, Vec<String>> {
     if views.len() == list.poses.len() {
         return Ok(list.poses.iter().collect());
     }
@@ -31,7 +31,7 @@ fn in_order<'a>(views: &[&Pair], list: &'a PoseList) -> Result<Vec<&'a ListedPos
     )])
 }
 
-fn by_name<'a>(views: &[&Pair], list: &'a PoseList) -> Result<Vec<&'a ListedPose>, Vec<String>> {
+fn by_name<'a>(views: &[Pair], list: &'a PoseList) -> Result<Vec<&'a ListedPose>, Vec<String>> {
     let register = Register::of(views);
     let mut found: Vec<Option<&ListedPose>> = vec![None; views.len()];
     let (mut strangers, mut twice) = (Vec::new(), Vec::new());
@@ -69,7 +69,7 @@ struct Register<'a> {
 }
 
 impl<'a> Register<'a> {
-    fn of(views: &[&'a Pair]) -> Self {
+    fn of(views: &'a [Pair]) -> Self {
         let mut names = BTreeMap::new();
         let mut words = BTreeMap::new();
         for (index, view) in views.iter().enumerate() {

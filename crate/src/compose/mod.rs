@@ -13,6 +13,7 @@ mod poses;
 mod question;
 mod size;
 mod tree;
+mod view_numbers;
 
 pub use calibration::{Lens, read_calibration};
 pub use draft::{Composed, Draft, Gap};
@@ -22,3 +23,4 @@ pub use pairs::{Lack, Pair, Pairing, Unpaired, is_picture, pair};
 pub use poses::{LengthScale, ListedPose, PoseList, Reading, read_poses};
 pub use question::{Answers, Key, Part, QUESTIONS, Question, QuestionKind};
 pub use size::picture_size;
+pub use view_numbers::ViewNumbers;

@@ -69,6 +69,13 @@ pub struct PoseList {
     pub has_bare_quaternions: bool,
 }
 
+impl PoseList {
+    /// Whether it says of any view what is behind the wall.
+    pub fn says_inside(&self) -> bool {
+        self.poses.iter().any(|pose| pose.inside.is_some())
+    }
+}
+
 /// Reads a list of poses. Errors name the line, or the entry.
 ///
 /// ```

@@ -17,19 +17,22 @@ pub enum Part {
     Vessel,
     /// Refractive indices.
     Media,
+    /// Measures of the object, for estimating an unknown index.
+    Known,
     /// What calibration gave, to one standard deviation.
     Calibration,
 }
 
 impl Part {
     /// All of them, in the order in which they are asked for.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Pictures,
         Self::Camera,
         Self::Poses,
         Self::Laser,
         Self::Vessel,
         Self::Media,
+        Self::Known,
         Self::Calibration,
     ];
 
@@ -42,6 +45,7 @@ impl Part {
             Self::Laser => "Laser",
             Self::Vessel => "Vessel",
             Self::Media => "Media",
+            Self::Known => "What is known of the object",
             Self::Calibration => "How good the calibration is",
         }
     }
@@ -55,7 +59,19 @@ impl Part {
             Self::Laser => "laser",
             Self::Vessel => "vessel",
             Self::Media => "media",
+            Self::Known => "known",
             Self::Calibration => "calibration",
+        }
+    }
+
+    /// What opens a part that may be left as it is.
+    pub const fn invitation(self) -> Option<&'static str> {
+        match self {
+            Self::Known => {
+                Some("An angle, a distance or a radius, which an unknown index is found by")
+            }
+            Self::Calibration => Some("Standard deviations, where they are known"),
+            _ => None,
         }
     }
 }
@@ -171,16 +187,53 @@ questions! {
         ]), "auto",
         "The shape of the wall that the laser goes through.";
     WallThickness, "wall-thickness", Vessel, "Wall thickness", "mm", Numbers(1), "",
-        "Glass between outer and inner face.";
+        "Glass between outer and inner face, more than 0: callipers or an ultrasonic gauge tell it.";
+    WallKnown, "wall-known", Vessel, "Where the wall stands", "",
+        Choice(&[
+            ("no", "is found from the laser's spots on it"),
+            ("yes", "is known from an earlier measurement"),
+        ]), "no",
+        "A known wall is taken as it is given, and the spots on it are held against it.";
+    WallPoint, "wall-point", Vessel, "A point of the wall", "mm", Numbers(3), "",
+        "x, y and z of any point of the outer face, in the world's frame.";
+    WallNormal, "wall-normal", Vessel, "The wall's normal", "x y z", Numbers(3), "",
+        "Square to the outer face, from the glass towards the camera, in the world's frame, of any length.";
+    WallAxisPoint, "wall-axis-point", Vessel, "A point of the jar's axis", "mm", Numbers(3), "",
+        "x, y and z of any point of the axis, in the world's frame.";
+    WallAxis, "wall-axis", Vessel, "The axis' direction", "x y z", Numbers(3), "",
+        "Along the jar, either way, in the world's frame, of any length.";
+    WallCentre, "wall-centre", Vessel, "The middle of the bowl", "mm", Numbers(3), "",
+        "x, y and z of the middle of the sphere, in the world's frame.";
+    WallRadius, "wall-radius", Vessel, "Outer radius", "mm", Numbers(1), "",
+        "Half the diameter over the outer face, and more than the wall is thick.";
+    FarWall, "far-wall", Vessel, "The object stands", "",
+        Choice(&[("no", "in the vessel"), ("yes", "behind it, in the open")]), "no",
+        "Behind a flat tank its light goes through the liquid and a second wall.";
+    FarDistance, "far-distance", Vessel, "Between the two walls", "mm", Numbers(1), "",
+        "The depth of the liquid, from inner face to inner face, more than 0.";
+    FarThickness, "far-thickness", Vessel, "Thickness of the far wall", "mm", Numbers(1), "",
+        "Of the same glass as the front wall, more than 0.";
     IndexOutside, "index-outside", Media, "Index around the rig", "", Numbers(1), "1.0",
-        "Refractive index: air has 1.000.";
+        "Refractive index, from 1 to 4: air has 1.000.";
     IndexWall, "index-wall", Media, "Index of the wall", "", Numbers(1), "",
-        "Soda-lime glass has 1.52, borosilicate 1.47, acrylic 1.49.";
+        "From 1 to 4: soda-lime glass has 1.52, borosilicate 1.47, acrylic 1.49.";
     IndexKnown, "index-known", Media, "Index of the liquid", "",
         Choice(&[("yes", "is known"), ("no", "is not known: estimate it")]), "yes",
-        "What it takes to estimate it, the scan will say.";
+        "What it takes to estimate it, the scan will say; a measure of the object, below, helps most.";
     IndexInside, "index-inside", Media, "Index in the vessel", "", Numbers(1), "",
-        "Water has 1.333 in yellow light, ethanol 1.361.";
+        "From 1 to 4: water has 1.333 in yellow light, ethanol 1.361.";
+    InAir, "in-air", Media, "Views in air", "numbers", Text, "",
+        "The views whose beam enters air above the liquid, by their numbers in the list of pairs: 1-12, 20. \
+         Empty, and all look into the liquid.";
+    KnownAngle, "known-angle", Known, "Angle between two flat faces", "\u{b0}", Optional, "",
+        "More than 0 and less than 180; an angle and the one that makes it 180 count as the same.";
+    KnownEdge, "known-edge", Known, "Distance of two parallel faces", "mm", Optional, "",
+        "As callipers measure it across the object, more than 0; both faces must have been scanned.";
+    KnownRadius, "known-radius", Known, "Radius of a ball or a rod", "mm", Optional, "",
+        "Half the diameter, more than 0.";
+    KnownFlat, "known-flat", Known, "A flat face", "",
+        Choice(&[("no", "none that is known to be flat"), ("yes", "the object has a flat face")]), "no",
+        "A wrong index bends a flat face, though little: an angle or a distance tells more.";
     SigmaLaserOrigin, "sigma-laser-origin", Calibration, "Laser's origin", "mm", Optional, "0.3",
         "One standard deviation.";
     SigmaLaserDirection, "sigma-laser-direction", Calibration, "Laser's direction", "\u{b0}", Optional, "0.1",

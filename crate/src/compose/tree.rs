@@ -31,7 +31,8 @@ fn yaml(text: &str) -> Result<Value, ImportError> {
     check_indentation(text)?;
     let text = without_directive(text);
     check_aliases(&text)?;
-    let documents = Yaml::load_from_str(&text).map_err(|error| ImportError::Syntax {
+    let mut parser = Parser::new_from_str(&text);
+    let documents = Yaml::load_from_parser(&mut parser).map_err(|error| ImportError::Syntax {
         line: error.marker().line(),
         column: error.marker().col() + 1,
         problem: error.info().to_owned(),

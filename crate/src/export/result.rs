@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::index::{IndexMethod, Verdict};
+use crate::json;
 use crate::scan::{InsideMedium, LengthUnit, VesselShape};
 use crate::spots::SpotRole;
 
@@ -351,16 +352,11 @@ pub enum ResultError {
 impl ReconstructionResult {
     /// Reads `result.json`.
     pub fn from_json(bytes: &[u8]) -> Result<Self, ResultError> {
-        let mut json = serde_json::Deserializer::from_slice(bytes);
         let result: Self =
-            serde_path_to_error::deserialize(&mut json).map_err(|error| ResultError::Format {
-                place: error.path().to_string(),
-                problem: error.into_inner().to_string(),
+            json::read(bytes, "the result").map_err(|error| ResultError::Format {
+                place: error.place,
+                problem: error.problem.to_string(),
             })?;
-        json.end().map_err(|error| ResultError::Format {
-            place: "after the result".to_owned(),
-            problem: error.to_string(),
-        })?;
         match result.version {
             1 => Ok(result),
             other => Err(ResultError::Version(other)),

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 
 /// A right-handed coordinate frame, millimetres.
 pub trait Frame: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {}
@@ -58,7 +58,7 @@ impl<F: Frame> Point<F> {
 
     /// The distance to `other`.
     pub fn distance(self, other: Self) -> f64 {
-        (self - other).norm()
+        length(&(self - other))
     }
 
     /// `[x, y, z]`, as files carry it.
@@ -96,6 +96,17 @@ pub struct Direction<F: Frame> {
     frame: PhantomData<F>,
 }
 
+/// A vector's length. To the last bit it is what nalgebra's `norm` gives, but that takes the square root step by step
+/// (libm's, in WebAssembly), where every processor has an instruction for it.
+pub(crate) fn length<const N: usize>(vector: &SVector<f64, N>) -> f64 {
+    vector.norm_squared().sqrt()
+}
+
+/// A vector's direction, for vectors that have one; likewise as nalgebra's `normalize`.
+pub(crate) fn unit<const N: usize>(vector: SVector<f64, N>) -> SVector<f64, N> {
+    vector / length(&vector)
+}
+
 /// A vector of length zero (or one that is not a number) has no direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a vector of length zero has no direction")]
@@ -104,7 +115,7 @@ pub struct ZeroLength;
 impl<F: Frame> Direction<F> {
     /// The direction of `vector`, whatever its length.
     pub fn new(vector: Vector3<f64>) -> Result<Self, ZeroLength> {
-        let length = vector.norm();
+        let length = length(&vector);
         if length > 0.0 && length.is_finite() {
             Ok(Self::assume_unit(vector / length))
         } else {
@@ -135,14 +146,14 @@ impl<F: Frame> Direction<F> {
         let smallest = self.vector.iamin();
         let mut axis = Vector3::zeros();
         axis[smallest] = 1.0;
-        let u = axis.cross(&self.vector).normalize();
+        let u = unit(axis.cross(&self.vector));
         (u, self.vector.cross(&u))
     }
 
     /// This direction tilted by the small angles `a`, `b` (radians) towards its two tangents.
     pub fn tilted(self, a: f64, b: f64) -> Self {
         let (u, v) = self.tangents();
-        Self::assume_unit((self.vector + u * a + v * b).normalize())
+        Self::assume_unit(unit(self.vector + u * a + v * b))
     }
 }
 

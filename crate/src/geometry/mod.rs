@@ -14,6 +14,7 @@ pub use approach::{Approach, ParallelRays, closest_approach};
 pub(crate) use fit::spread_out;
 pub use fit::{FitError, PlaneFit, WeightedPoint, fit_plane};
 pub use frame::{Camera, Direction, Flange, Frame, Point, World, ZeroLength};
+pub(crate) use frame::{length, unit};
 pub use plane::Plane;
 pub use pose::Pose;
 pub use ray::Ray;

@@ -1,5 +1,6 @@
 //! The unknowns of the joint estimate, and what the sights say for given values of them.
 
+use crate::robust::sort_by_number;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix4x2, SymmetricEigen, Vector2};
 
 use super::face::Face;
@@ -73,7 +74,7 @@ fn modes(covariance: &DMatrix<f64>) -> Vec<DVector<f64>> {
     const MOST: usize = 8;
     let axes = SymmetricEigen::new(covariance.clone());
     let mut order: Vec<usize> = (0..axes.eigenvalues.len()).collect();
-    order.sort_by(|a, b| axes.eigenvalues[*b].total_cmp(&axes.eigenvalues[*a]));
+    sort_by_number(&mut order, |axis| -axes.eigenvalues[*axis]);
     let mode = |i: usize| axes.eigenvectors.column(i) * axes.eigenvalues[i].max(0.0).sqrt();
     order.into_iter().take(MOST).map(mode).collect()
 }
@@ -423,7 +424,7 @@ impl<'a> Model<'a> {
         pixel: Pixel,
     ) -> Option<Vector2<f64>> {
         let rig = &hypothesis.state.rig;
-        let moved = sight.glow_offset * hypothesis.state.glow;
+        let moved = sight.by_glow_share * hypothesis.state.glow;
         let pixel = Pixel::new(pixel.u - moved.x, pixel.v - moved.y);
         let lit = rig.triangulate(rig.camera.slope(pixel).ok()?)?;
         let station = &self.setup.stations[sight.view];

@@ -15,7 +15,7 @@ pub struct VesselSight {
     /// Where the outer face's own glow is seen.
     pub pixel: Pixel,
     /// How that moves per unit of the inner face's share of the light, px, with its sign turned.
-    pub glow_offset: Vector2<f64>,
+    pub by_glow_share: Vector2<f64>,
     /// Covariance of the centroid, px^2.
     pub covariance: Matrix2<f64>,
 }
@@ -63,7 +63,7 @@ impl Sights {
             some(points).map(move |point| VesselSight {
                 view,
                 pixel: point.pixel,
-                glow_offset: point.glow_offset,
+                by_glow_share: point.by_glow_share,
                 covariance: spots[view].spots[point.spot].covariance_with(setup.vessel.grain.value)
                     + floor,
             })

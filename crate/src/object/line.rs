@@ -18,7 +18,7 @@ use crate::camera::Pixel;
 use crate::geometry::{Ray, World, closest_approach};
 use crate::optics::Stack;
 use crate::rig::{Profiles, Sheet};
-use crate::robust::median;
+use crate::robust::{median, sort_by_number};
 use crate::scan::{InsideMedium, Station};
 use crate::spots::{Line, Spot, SpotRole, Spots};
 use crate::vessel::NoRoom;
@@ -242,7 +242,7 @@ fn outdone(candidates: &[Candidate], line: &Line, spots: &[Spot]) -> Vec<bool> {
         light[candidate.curve] += spots[candidate.spot].brightness;
     }
     let mut by_angle: Vec<usize> = (0..candidates.len()).collect();
-    by_angle.sort_by(|a, b| candidates[*a].angle.total_cmp(&candidates[*b].angle));
+    sort_by_number(&mut by_angle, |index| candidates[*index].angle);
     let pitch = pitch(candidates);
     let mut outdone = vec![false; candidates.len()];
     for (place, &index) in by_angle.iter().enumerate() {

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 
 use super::{Base, Hit};
-use crate::geometry::{Direction, Plane, Point, Ray, World};
+use crate::geometry::{Direction, Plane, Point, Ray, World, unit};
 
 /// A smooth wall of any form: heights over a simple surface, as a uniform bicubic B-spline, within the
 /// patch in which it was measured.
@@ -129,7 +129,7 @@ impl Sheet {
         let slope = height.slope.component_div(&here.stretch);
         let [along, across, out] = here.axes;
         let normal = out - along * slope.x - across * slope.y;
-        (here.point, Direction::assume_unit(normal.normalize()))
+        (here.point, Direction::assume_unit(unit(normal)))
     }
 
     /// Whether a place lies within the measured patch.

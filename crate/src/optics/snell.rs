@@ -1,4 +1,4 @@
-use crate::geometry::{Direction, Frame};
+use crate::geometry::{Direction, Frame, unit};
 
 /// The light cannot leave the denser medium: the sine of its angle would have to exceed 1.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -57,5 +57,5 @@ pub fn refract<F: Frame>(
         });
     }
     let bent = light * ratio + facing * (ratio * cos_a - cos_b_squared.sqrt());
-    Ok(Direction::assume_unit(bent.normalize()))
+    Ok(Direction::assume_unit(unit(bent)))
 }

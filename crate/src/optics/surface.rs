@@ -1,7 +1,7 @@
 use nalgebra::DVector;
 
 use super::Freeform;
-use crate::geometry::{Direction, Plane, Point, Ray, World};
+use crate::geometry::{Direction, Plane, Point, Ray, World, length};
 
 /// A surface that parts two media.
 ///
@@ -109,8 +109,8 @@ impl Surface {
     pub fn signed_distance(&self, point: Point<World>) -> f64 {
         match self {
             Self::Plane(plane) => plane.signed_distance(point),
-            Self::Cylinder(cylinder) => cylinder.away_from_axis(point).norm() - cylinder.radius,
-            Self::Sphere(sphere) => (point - sphere.centre).norm() - sphere.radius,
+            Self::Cylinder(cylinder) => length(&cylinder.away_from_axis(point)) - cylinder.radius,
+            Self::Sphere(sphere) => length(&(point - sphere.centre)) - sphere.radius,
             Self::Freeform(freeform) => freeform.signed_distance(point),
         }
     }

@@ -13,6 +13,7 @@ use super::flat::{MOST_DOTS, extent, few, fill, letters, padded, stroke};
 use super::paint::Ink;
 use super::scale::Scale;
 use super::{Drawing, Mark, PlotError};
+use crate::robust::sort_by_number;
 
 /// Where it is seen from: so far aside and above, radians.
 const YAW: f64 = 0.6;
@@ -92,7 +93,7 @@ impl SpaceFigure {
         };
         // What is farther away is drawn first.
         let mut dots: Vec<_> = few(&self.dots).collect();
-        dots.sort_by(|a, b| b.at[2].total_cmp(&a.at[2]));
+        sort_by_number(&mut dots, |dot| -dot.at[2]);
         for dot in &dots {
             let at = (dot.at[0], dot.at[1], dot.at[2]);
             let circle = Circle::new(at, (radius * f64::from(UNITS)) as u32, fill(dot.ink));

@@ -19,6 +19,7 @@ pub use manifest::{
     KnownShape, LaserEntry, LaserKind, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry,
     ScanFormat, VesselEntry, VesselShape, ViewEntry,
 };
+pub(crate) use picture::reader;
 pub use picture::{Limits, Picture, PicturePair};
 pub use sweeps::sweeps;
 pub use validate::{Scan, Station};

@@ -1,4 +1,4 @@
-use std::io::Cursor;
+use std::io::{self, BufRead, Cursor, Seek};
 
 use image::{DynamicImage, ImageDecoder, ImageReader};
 
@@ -75,9 +75,8 @@ impl Picture {
     /// Colours are averaged with equal weights: a laser has one colour, and weights made for the eye
     /// would all but lose a red one.
     pub fn decode(bytes: &[u8], width: u32, height: u32) -> Result<Self, PictureError> {
-        let reader = ImageReader::new(Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(image::ImageError::from)?;
+        let mut file = Cursor::new(bytes);
+        let reader = reader(&mut file).map_err(image::ImageError::from)?;
         let mut decoder = reader.into_decoder()?;
         let size = decoder.dimensions();
         if size != (width, height) {
@@ -123,6 +122,17 @@ impl Picture {
             grey,
         }
     }
+}
+
+/// Where a picture is read from.
+pub(crate) trait PictureFile: BufRead + Seek {}
+
+impl<T: BufRead + Seek> PictureFile for T {}
+
+/// A reader of any kind of picture. It takes no type of file in particular: for each type the decoders of all formats
+/// would be compiled anew.
+pub(crate) fn reader(file: &mut dyn PictureFile) -> io::Result<ImageReader<&mut dyn PictureFile>> {
+    ImageReader::new(file).with_guessed_format()
 }
 
 /// The mean of three colours, rounded.

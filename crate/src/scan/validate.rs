@@ -7,6 +7,7 @@ use super::{
 };
 use crate::camera::{Distortion, Intrinsics, Pixel};
 use crate::geometry::{Camera, Direction, Flange, Frame, Point, Pose, Ray, World};
+use crate::json;
 use crate::optics::Surface;
 use crate::rig::{CalibrationSigma, Laser, Rig, Sheet};
 
@@ -41,24 +42,14 @@ pub struct Station {
 impl Manifest {
     /// Reads `scan.json`; an error names the line, or the key.
     pub fn from_json(json: &[u8]) -> Result<Self, ScanError> {
-        let mut reader = serde_json::Deserializer::from_slice(json);
-        let manifest = serde_path_to_error::deserialize(&mut reader).map_err(|e| {
-            let place = e.path().to_string();
-            let problem = e.inner();
+        json::read(json, "scan.json").map_err(|json::Misread { place, problem }| {
             match problem.classify() {
                 serde_json::error::Category::Data => {
-                    let key = if place == "." {
-                        "scan.json".into()
-                    } else {
-                        place
-                    };
-                    ScanError::value(Place::key(key), without_position(problem))
+                    ScanError::value(Place::key(place), without_position(&problem))
                 }
-                _ => syntax(problem),
+                _ => syntax(&problem),
             }
-        })?;
-        reader.end().map_err(|e| syntax(&e))?;
-        Ok(manifest)
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::export::{ReconstructionResult, ResultError};
+use crate::json;
 use crate::pipeline::Settings;
 use crate::scan::{Manifest, Scan, ScanError};
 
@@ -116,13 +117,8 @@ impl Document {
     /// Reads a document. Whatever the bytes are, nothing but numbers and texts comes out.
     pub fn from_json(json: &[u8]) -> Result<Self, DocumentError> {
         check_version(json)?;
-        let mut reader = serde_json::Deserializer::from_slice(json);
-        let document: Self = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-            DocumentError::format(error.path().to_string(), error.inner().to_string())
-        })?;
-        reader
-            .end()
-            .map_err(|error| DocumentError::format("after the data", error.to_string()))?;
+        let document: Self = json::read(json, "the data")
+            .map_err(|error| DocumentError::format(error.place, error.problem.to_string()))?;
         if document.result.version != 1 {
             return Err(ResultError::Version(document.result.version).into());
         }

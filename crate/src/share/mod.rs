@@ -26,7 +26,7 @@ mod sightlines;
 mod views;
 
 pub use document::{Document, DocumentError, DocumentFormat};
-pub use one_file::{document_in, one_file};
+pub use one_file::{Viewer, document_in, one_file};
 pub use sightlines::Sightlines;
 
 use base64::Engine;

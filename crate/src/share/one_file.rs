@@ -1,30 +1,49 @@
 //! The one-file page: the viewer with a document in it.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use miniz_oxide::deflate::compress_to_vec_zlib;
+
 use super::document::{Document, DocumentError};
+
+/// What one-file pages are made of: two files, which hosts compress better than one with the other in it.
+pub struct Viewer<'a> {
+    /// `viewer.html`: the page, with its styles and scripts.
+    pub page: &'a str,
+    /// `viewer.wasm`: what measures in it.
+    pub module: &'a [u8],
+}
 
 /// Where the viewer's title stands.
 const TITLE: &str = "<title>Snellius</title>";
+/// Where the module goes.
+const MODULE: &str = "<!-- snellius:module -->";
+/// How hard it is compressed: what is beyond takes twice the time for one part in a hundred.
+const LEVEL: u8 = 9;
 /// Where the document goes.
 const PLACE: &str = "<!-- snellius:data -->";
 /// What stands before and behind the document. Readers of every version look for this.
 const BEGIN: &str = r#"<script type="application/json" id="snellius-data">"#;
 const END: &str = "</script>";
 
-/// A self-contained page that shows a document: `viewer.html` with the document put in. The same document
-/// and viewer give the same bytes everywhere.
-pub fn one_file(viewer: &str, document: &Document) -> Result<String, DocumentError> {
-    let once = |place: &'static str| match viewer.matches(place).count() {
+/// A self-contained page that shows a document: the viewer with the document put in. The same document and viewer
+/// give the same bytes everywhere.
+pub fn one_file(viewer: &Viewer, document: &Document) -> Result<String, DocumentError> {
+    let once = |place: &'static str| match viewer.page.matches(place).count() {
         1 => Ok(()),
         found => Err(DocumentError::NoViewer(place, found)),
     };
     once(TITLE)?;
     once(PLACE)?;
+    once(MODULE)?;
     // No text of the document may end the block, nor begin a comment in it.
     let data = document.to_json().replace('<', "\\u003c");
     let block = format!("{BEGIN}{data}{END}");
     let title = format!("<title>{}</title>", escaped(&document.title));
+    let page = viewer.page.replacen(TITLE, &title, 1);
+    let page = page.replacen(MODULE, &as_text(viewer.module), 1);
     // The document last: what is written in it is no place to put things.
-    Ok(viewer.replacen(TITLE, &title, 1).replacen(PLACE, &block, 1))
+    Ok(page.replacen(PLACE, &block, 1))
 }
 
 /// The document in a one-file page.
@@ -32,6 +51,12 @@ pub fn document_in(page: &str) -> Result<Document, DocumentError> {
     let (_, data) = page.split_once(BEGIN).ok_or(DocumentError::NotOurs)?;
     let (data, _) = data.split_once(END).ok_or(DocumentError::Cut)?;
     Document::from_json(data.as_bytes())
+}
+
+/// A module as a page holds it: the base64 of the deflated bytes.
+fn as_text(module: &[u8]) -> String {
+    let packed = STANDARD.encode(compress_to_vec_zlib(module, LEVEL));
+    format!(r#"<script type="text/plain" id="snellius-wasm">{packed}</script>"#)
 }
 
 fn escaped(text: &str) -> String {

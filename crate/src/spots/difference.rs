@@ -56,16 +56,19 @@ impl<'a> Difference<'a> {
     }
 
     /// The difference at a pixel, grey values.
+    #[inline]
     pub fn at(&self, pixel: usize) -> i32 {
         i32::from(self.on.grey[pixel]) - i32::from(self.off[pixel])
     }
 
     /// The grey value without laser light.
+    #[inline]
     pub fn dark_level(&self, pixel: usize) -> u16 {
         self.off[pixel]
     }
 
     /// The mean grey value of the pictures that went into the difference.
+    #[inline]
     pub fn level(&self, pixel: usize) -> f64 {
         let on = f64::from(self.on.grey[pixel]);
         if self.pair {
@@ -76,6 +79,7 @@ impl<'a> Difference<'a> {
     }
 
     /// Whether the laser-on picture reached the top of the grey scale.
+    #[inline]
     pub fn saturated(&self, pixel: usize) -> bool {
         self.on.grey[pixel] == self.on.full_scale
     }

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Difference, Noise, Spot, SpotSettings, Spots};
 use crate::rig::Profiles;
-use crate::robust::median;
+use crate::robust::{median, sort_by_number};
 use crate::scan::PicturePair;
 
 /// What a view shows of a sheet's line. Its points are the view's spots, curve by curve.
@@ -381,7 +381,7 @@ fn chains(
                 }
             }
         }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut pairs, |pair| pair.0);
         let chains_before = open.len();
         let (mut taken, mut grown) = (vec![false; points.len()], vec![false; chains_before]);
         for (_, p, c) in pairs {

@@ -16,7 +16,9 @@ pub use grain::Grain;
 pub(crate) use grain::GrainSample;
 pub use line::{Curve, Line, find_line};
 pub use noise::Noise;
+pub(crate) use regions::{ellipse_reach, moment_window};
 
+use crate::robust::sort_by_number;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -176,7 +178,7 @@ pub fn find_spots(pictures: &PicturePair, settings: &SpotSettings) -> Spots {
         .iter()
         .map(|region| regions::centroid(region, &difference, &noise))
         .collect();
-    spots.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
+    sort_by_number(&mut spots, |spot| -spot.brightness);
     spots.truncate(settings.most);
     Spots {
         spots,

@@ -86,16 +86,24 @@ fn mean(light: impl Iterator<Item = (Vector2<f64>, f64)>) -> Vector2<f64> {
     moment / total
 }
 
-/// Whether a place lies within three standard deviations of a spot of the given second moments. A spot
-/// is never taken to be smaller than a pixel.
+/// How far the ellipse in which a centroid is taken reaches along an axis along which the light's second moment is
+/// `width` (px^2): three standard deviations. A spot is never taken to be smaller than a pixel.
+pub(crate) fn ellipse_reach(width: f64) -> f64 {
+    REACH * (width + PIXEL).sqrt()
+}
+
+/// How many standard deviations of a spot its ellipse reaches.
+const REACH: f64 = 3.0;
+/// The least second moment that a spot is taken to have, px^2.
+const PIXEL: f64 = 0.5;
+
+/// Whether a place lies within the ellipse of a spot of the given second moments.
 fn ellipse(centre: Vector2<f64>, shape: Matrix2<f64>) -> impl Fn(Vector2<f64>) -> bool {
-    const STANDARD_DEVIATIONS: f64 = 3.0;
-    const PIXEL: f64 = 0.5;
-    let least = Matrix2::identity() * PIXEL;
-    let metric = (shape + least).try_inverse().unwrap_or(Matrix2::identity());
+    let metric = (shape + Matrix2::identity() * PIXEL).try_inverse();
+    let metric = metric.unwrap_or_else(Matrix2::identity);
     move |place| {
         let d = place - centre;
-        (d.transpose() * metric * d).x <= STANDARD_DEVIATIONS * STANDARD_DEVIATIONS
+        (d.transpose() * metric * d).x <= REACH * REACH
     }
 }
 
@@ -109,9 +117,8 @@ fn higher_moments(
     light: impl Iterator<Item = (Vector2<f64>, f64)> + Clone,
     centre: Vector2<f64>,
 ) -> (Matrix2<f64>, [f64; 4]) {
-    const LEAST_WINDOW: f64 = 4.0;
     let (plain, _) = windowed_moments(light.clone(), centre, f64::INFINITY);
-    let window = (2.0 * plain.trace()).max(LEAST_WINDOW);
+    let window = moment_window(plain.trace());
     let (weighted, third) = windowed_moments(light, centre, window);
     let kept = Matrix2::identity() - weighted / window;
     let widened = kept
@@ -121,6 +128,12 @@ fn higher_moments(
     let shape = widened.unwrap_or(weighted);
     let gain = shape.trace() / weighted.trace();
     (shape, third.map(|m| m * gain * gain * gain))
+}
+
+/// Variance of the window in which the higher moments of light are taken whose second ones add up to `trace`, px^2.
+pub(crate) fn moment_window(trace: f64) -> f64 {
+    const LEAST: f64 = 4.0;
+    (2.0 * trace).max(LEAST)
 }
 
 /// Second and third central moments under a Gaussian window of variance `window`.

@@ -49,9 +49,9 @@ pub struct VesselPoint {
     pub spot: usize,
     /// Where the outer face's own glow is seen: the spot's centroid less what the inner glow does to it.
     pub pixel: Pixel,
-    /// From the outer face's glow to the inner one's, px; zero where they are seen in one place. The
-    /// spot's centroid lies the inner glow's share of this off `pixel`.
-    pub glow_offset: Vector2<f64>,
+    /// How `pixel` moves back with the inner glow's share, px; zero where both glows are seen in
+    /// one place.
+    pub by_glow_share: Vector2<f64>,
     /// The point.
     pub point: Point<World>,
     /// One standard deviation across the wall, from the centroid's noise, mm.
@@ -421,8 +421,9 @@ impl Finder<'_> {
         let one = |(pick, faces): (&Pick, &Option<Faces>)| {
             let mut pick = *pick;
             if let Some(faces) = faces {
-                pick.pixel.u -= share * faces.offset.x;
-                pick.pixel.v -= share * faces.offset.y;
+                let shift = faces.shift(self.spot(pick.view, &pick.candidate), share);
+                pick.pixel.u -= shift.x;
+                pick.pixel.v -= shift.y;
             }
             if let Some(lit) = pick::lit_point(self.rig, pick.pixel) {
                 pick.candidate.off_line =
@@ -455,12 +456,15 @@ impl Finder<'_> {
     ) -> Result<VesselFit, VesselError> {
         let mut points = vec![Vec::new(); self.stations.len()];
         let places = self.points(picks, &fit.surface);
+        let share = glows.map_or(0.0, |glows| glows.share);
         for (row, (pick, place)) in picks.iter().zip(&places).enumerate() {
             // A point that the fit refused is no point of the wall.
             points[pick.view].extend((fit.weights[row] > 0.0).then(|| VesselPoint {
                 spot: pick.candidate.spot,
                 pixel: pick.pixel,
-                glow_offset: faces[row].map_or_else(Vector2::zeros, |faces| faces.offset),
+                by_glow_share: faces[row].map_or_else(Vector2::zeros, |faces| {
+                    faces.shift_by_share(self.spot(pick.view, &pick.candidate), share)
+                }),
                 point: place.point,
                 sigma: place.sigma,
                 off_line: pick.candidate.off_line,

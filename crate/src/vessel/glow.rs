@@ -14,6 +14,9 @@
 //! where f (0 to 1) is the part of M_across that is the beam and not the lens's blur: not known, but it
 //! matters little as e is near 1. Their lopsidedness, `q (1 - q) (1 - 2q) d^3`, is free of it. The share is the
 //! same glass's in all views, so the medians over them are taken.
+//!
+//! Spots are measured in windows that leave out far pixels' noise, and of two glows some light. So what is held
+//! against a spot is not these moments but what the same measurement makes of two Gaussians: [`Pair`].
 
 use nalgebra::Vector2;
 
@@ -23,7 +26,7 @@ use crate::geometry::{Camera, Point, Pose, Ray, World};
 use crate::optics::{Media, aim_through};
 use crate::robust::{median, robust_scale};
 use crate::scan::InsideMedium;
-use crate::spots::{Curve, Spot};
+use crate::spots::{Curve, Spot, ellipse_reach, moment_window};
 
 /// What the wall's geometry says of a vessel spot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,13 +120,15 @@ pub(super) fn estimate(spots: &[(&Spot, Faces)], thickness: f64) -> Option<Glows
     if spots.len() < LEAST {
         return None;
     }
+    let (share, share_sigma) = share(spots);
     let excesses = |beam_part: f64| {
-        let of_spot = |(spot, faces): &(&Spot, Faces)| faces.excess(spot, beam_part);
+        let of_spot = |(spot, faces): &(&Spot, Faces)| {
+            let own = faces.pair(spot, 0.0, beam_part).along;
+            faces.measured(spot)[0] - own / faces.offset.norm_squared()
+        };
         median_and_sigma(spots.iter().map(of_spot).collect())
     };
-    let skews = spots.iter().map(|(spot, faces)| faces.skew(spot));
-    let (skew, skew_sigma) = median_and_sigma(skews.collect());
-    let (share, share_sigma) = share(excesses, (skew, skew_sigma));
+    let (skew, _) = median_and_sigma(spots.iter().map(|(s, f)| f.measured(s)[1]).collect());
     let (excess, sampling) = excesses(0.5);
     let slack = BEAM_PART_SIGMA * (excesses(1.0).0 - excesses(0.0).0);
     let sigma = (sampling * sampling + slack * slack).sqrt();
@@ -141,44 +146,155 @@ pub(super) fn estimate(spots: &[(&Spot, Faces)], thickness: f64) -> Option<Glows
 const BEAM_PART_SIGMA: f64 = 0.29;
 
 impl Faces {
-    /// The spot's measured q (1 - q), for a part f of the beam in its width.
-    fn excess(&self, spot: &Spot, beam_part: f64) -> f64 {
-        let distance = self.offset.norm();
-        let along = self.offset / distance;
-        let across = Vector2::new(-along.y, along.x);
-        let footprint = self.stretch * self.stretch - 1.0;
-        let own = spot.width_along(across) * (1.0 + beam_part * footprint);
-        (spot.width_along(along) - own) / (distance * distance)
+    /// How far the merged spot's centroid lies off the outer glow's own, px, for the inner one's share.
+    pub(super) fn shift(&self, spot: &Spot, share: f64) -> Vector2<f64> {
+        self.offset.normalize() * self.pair(spot, share, 0.5).centroid()
     }
 
-    /// The spot's measured q (1 - q) (1 - 2q).
-    fn skew(&self, spot: &Spot) -> f64 {
+    /// How that changes with the share, px.
+    pub(super) fn shift_by_share(&self, spot: &Spot, share: f64) -> Vector2<f64> {
+        const STEP: f64 = 1e-4;
+        (self.shift(spot, share + STEP) - self.shift(spot, share - STEP)) / (2.0 * STEP)
+    }
+
+    /// The two glows that a spot would be of, for a share and a part f of the beam in its width.
+    fn pair(&self, spot: &Spot, share: f64, beam_part: f64) -> Pair {
         let distance = self.offset.norm();
-        spot.skew_along(self.offset / distance) / (distance * distance * distance)
+        let along = self.offset / distance;
+        let across = spot.width_along(Vector2::new(-along.y, along.x));
+        let footprint = self.stretch * self.stretch - 1.0;
+        Pair {
+            share,
+            distance,
+            along: across * (1.0 + beam_part * footprint),
+            across,
+        }
+    }
+
+    /// The spot's second and third moments along the offset, over d^2 and d^3.
+    fn measured(&self, spot: &Spot) -> [f64; 2] {
+        let distance = self.offset.norm();
+        let along = self.offset / distance;
+        let square = distance * distance;
+        [
+            spot.width_along(along) / square,
+            spot.skew_along(along) / (square * distance),
+        ]
     }
 }
 
-/// Mean and standard deviation of the share; `excesses` gives the measured q (1 - q) for each f.
-fn share(excesses: impl Fn(f64) -> (f64, f64), (skew, skew_sigma): (f64, f64)) -> (f64, f64) {
+/// Two Gaussian glows of one width.
+struct Pair {
+    /// The inner one's share of the light.
+    share: f64,
+    /// From the outer one to the inner one, px.
+    distance: f64,
+    /// Variance of either along that way, px^2.
+    along: f64,
+    /// Variance across it, px^2.
+    across: f64,
+}
+
+impl Pair {
+    /// The whole light's variance along, px^2.
+    fn spread(&self) -> f64 {
+        self.along + self.share * (1.0 - self.share) * self.distance * self.distance
+    }
+
+    /// What is measured as their second and third moments along: taken under a Gaussian window about the
+    /// centroid, which is then taken out again as if the light were one Gaussian.
+    fn moments(&self) -> [f64; 2] {
+        let window = moment_window(self.spread() + self.across);
+        let seen_along = self.along + window;
+        let centre = self.share * self.distance;
+        // A Gaussian under a Gaussian window is another one, nearer to the window's middle.
+        let glows = [(1.0 - self.share, 0.0), (self.share, self.distance)].map(|(light, place)| {
+            let off = centre - place;
+            let seen = light * libm::exp(-0.5 * off * off / seen_along);
+            (seen, place + off * self.along / seen_along)
+        });
+        let total = glows[0].0 + glows[1].0;
+        let mean = (glows[0].0 * glows[0].1 + glows[1].0 * glows[1].1) / total;
+        let about_mean = |power: i32| -> f64 {
+            let of_glow = |(light, place): (f64, f64)| {
+                let off = place - mean;
+                light
+                    * if power == 2 {
+                        off * off
+                    } else {
+                        off * off * off
+                    }
+            };
+            glows.map(of_glow).iter().sum::<f64>() / total
+        };
+        let second = self.along * window / seen_along + about_mean(2);
+        let widened = second / (1.0 - second / window);
+        let seen_across = self.across * window / (self.across + window);
+        let gain = (widened + self.across) / (second + seen_across);
+        [widened, about_mean(3) * gain * gain * gain]
+    }
+
+    /// How far their centroid lies off the outer one, px: that of the light in the ellipse that spots have theirs
+    /// taken in.
+    fn centroid(&self) -> f64 {
+        const STRIPS: usize = 48;
+        const ROUNDS: usize = 4;
+        let [reach, half_width] = [self.moments()[0], self.across].map(ellipse_reach);
+        let glow = |x: f64| libm::exp(-0.5 * x * x / self.along);
+        let mut centre = self.share * self.distance;
+        for _ in 0..ROUNDS {
+            let (mut moment, mut total) = (0.0, 0.0);
+            for strip in 0..STRIPS {
+                let part = (2 * strip + 1) as f64 / STRIPS as f64 - 1.0;
+                let x = centre + part * reach;
+                let inside = half_width * (1.0 - part * part).sqrt();
+                let light = (1.0 - self.share) * glow(x) + self.share * glow(x - self.distance);
+                let seen = light * libm::erf(inside / (2.0 * self.across).sqrt());
+                moment += x * seen;
+                total += seen;
+            }
+            centre = moment / total;
+        }
+        centre
+    }
+}
+
+/// Mean and standard deviation of the share.
+fn share(spots: &[(&Spot, Faces)]) -> (f64, f64) {
     const SHARES: usize = 101;
     const BEAM_PARTS: usize = 11;
     /// Third moments are exact for Gaussian spots alone: what else may be in them.
     const SKEW_MODEL: f64 = 0.02;
     let square = |x: f64| x * x;
-    let skew_variance = square(skew_sigma) + square(SKEW_MODEL);
-    let measured: Vec<(f64, f64)> = (0..BEAM_PARTS)
-        .map(|i| excesses(i as f64 / (BEAM_PARTS - 1) as f64))
-        .collect();
-    mean_of((0..SHARES).flat_map(|i| {
-        let share = 0.5 * i as f64 / (SHARES - 1) as f64;
+    let shares = (0..SHARES).map(|i| 0.5 * i as f64 / (SHARES - 1) as f64);
+    let beam_parts = |j: usize| j as f64 / (BEAM_PARTS - 1) as f64;
+    mean_of(shares.flat_map(|share| {
         let excess = share * (1.0 - share);
-        let lopsided = excess * (1.0 - 2.0 * share);
-        let all = square(lopsided - skew) / skew_variance + square((excess - PRIOR) / PRIOR_SIGMA);
-        measured.iter().map(move |(seen, sigma)| {
-            let wide = square((excess - seen) / sigma.max(1e-6));
-            (share, 0.5 * (all + wide) + libm::log(sigma.max(1e-6)))
+        let beforehand = square((excess - PRIOR) / PRIOR_SIGMA);
+        (0..BEAM_PARTS).map(move |j| {
+            let [wide, skew] = misfits(spots, share, beam_parts(j));
+            let sigma = wide.1.max(1e-6);
+            let skew_variance = square(skew.1) + square(SKEW_MODEL);
+            let all = beforehand + square(wide.0 / sigma) + square(skew.0) / skew_variance;
+            (share, 0.5 * all + libm::log(sigma))
         })
     }))
+}
+
+/// How far the spots' second and third moments, over d^2 and d^3, lie off those of two glows: medians and their
+/// own standard deviations.
+fn misfits(spots: &[(&Spot, Faces)], share: f64, beam_part: f64) -> [(f64, f64); 2] {
+    let of_spot = |(spot, faces): &(&Spot, Faces)| {
+        let square = faces.offset.norm_squared();
+        let [width, skew] = faces.pair(spot, share, beam_part).moments();
+        let [seen, lopsided] = faces.measured(spot);
+        (
+            seen - width / square,
+            lopsided - skew / (square * square.sqrt()),
+        )
+    };
+    let (wide, skew) = spots.iter().map(of_spot).unzip();
+    [median_and_sigma(wide), median_and_sigma(skew)]
 }
 
 /// The usual q (1 - q), and one standard deviation of it: the inner face's glow is the fainter one, about a
@@ -378,4 +494,72 @@ pub(super) fn ridge_shift(share: f64, offset: f64, variance: f64) -> f64 {
         }
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::{Picture, PicturePair};
+    use crate::spots::{SpotSettings, find_spots};
+
+    const WIDTH: u32 = 120;
+    const HEIGHT: u32 = 80;
+    /// Variance of either glow, px^2.
+    const ONE: f64 = 1.8;
+    const OUTER: (f64, f64) = (60.2, 40.4);
+
+    /// Two round glows side by side, photographed without noise but for rounding.
+    fn photographed(share: f64, distance: f64) -> Spot {
+        let light = |x: u32, y: u32, at: f64| {
+            let (dx, dy) = (f64::from(x) - at, f64::from(y) - OUTER.1);
+            libm::exp(-0.5 * (dx * dx + dy * dy) / ONE)
+        };
+        let picture = |laser: f64| {
+            let pixel = |i: u32| {
+                let (x, y) = (i % WIDTH, i / WIDTH);
+                let (outer, inner) = (light(x, y, OUTER.0), light(x, y, OUTER.0 + distance));
+                let glow = (1.0 - share) * outer + share * inner;
+                // A picture without noise would have none to hold spots against.
+                let ripple = f64::from((x * 7 + y * 13) % 5 * 40);
+                (2_000.0 + laser * (ripple + 40_000.0 * glow)) as u16
+            };
+            Picture {
+                width: WIDTH as usize,
+                height: HEIGHT as usize,
+                full_scale: u16::MAX,
+                grey: (0..WIDTH * HEIGHT).map(pixel).collect(),
+            }
+        };
+        let pictures = PicturePair {
+            on: picture(1.0),
+            off: Some(picture(0.0)),
+        };
+        find_spots(&pictures, &SpotSettings::default()).spots[0]
+    }
+
+    #[test]
+    fn a_pair_says_what_is_measured_of_two_glows() {
+        for share in [0.1, 0.25, 0.4] {
+            for distance in [1.0, 2.0, 3.0, 4.0] {
+                let spot = photographed(share, distance);
+                let pair = Pair {
+                    share,
+                    distance,
+                    along: ONE,
+                    across: ONE,
+                };
+                let [width, skew] = pair.moments();
+                let off = spot.u - OUTER.0;
+                assert!((off - pair.centroid()).abs() < 0.004, "{share} {distance}");
+                assert!(
+                    (spot.shape[0] / width - 1.0).abs() < 2e-3,
+                    "{share} {distance}"
+                );
+                assert!(
+                    (spot.skew[0] - skew).abs() < 0.005 * distance,
+                    "{share} {distance}"
+                );
+            }
+        }
+    }
 }

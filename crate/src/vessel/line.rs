@@ -17,7 +17,7 @@ use crate::camera::Pixel;
 use crate::geometry::{Direction, Point, WeightedPoint, World};
 use crate::optics::Surface;
 use crate::rig::{Profiles, Sheet};
-use crate::robust::median;
+use crate::robust::{median, sort_by_number};
 use crate::spots::{Grain, Line, Spot, SpotRole};
 
 /// A block has so many points at least.
@@ -308,7 +308,7 @@ impl Finder<'_> {
             spot,
             pixel,
             // To first order the ridge moves with the share.
-            glow_offset: match share > 0.0 {
+            by_glow_share: match share > 0.0 {
                 true => -shift / share,
                 false => Vector2::zeros(),
             },
@@ -334,7 +334,7 @@ impl ViewLine<'_> {
             Some((spot, lit))
         });
         let mut points: Vec<(usize, Lit)> = eligible.collect();
-        points.sort_by(|a, b| a.1.angle.total_cmp(&b.1.angle));
+        sort_by_number(&mut points, |(_, lit)| lit.angle);
         let pitch = self.pitch();
         for (place, (spot, lit)) in points.iter().enumerate() {
             let before = points[..place].iter().rev();

@@ -6,7 +6,7 @@ use super::refine::{SurfaceFit, refine};
 use super::start;
 use crate::geometry::{FitError, Point, WeightedPoint, World, fit_plane, spread_out};
 use crate::optics::{Base, Surface};
-use crate::robust::{robust_scale, tukey_loss};
+use crate::robust::{robust_scale, sort_by_number, tukey_loss};
 use crate::scan::VesselShape;
 
 /// What `auto` decided between.
@@ -186,7 +186,7 @@ fn choose(
         .into_iter()
         .map(|(shape, fit)| (criterion(points, &fit, noise), shape, fit))
         .collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut ranked, |fit| fit.0);
     let mut ranked = ranked.into_iter();
     let Some((least, chosen, fit)) = ranked.next() else {
         return Err(first_error.unwrap_or(VesselError::Undetermined { shape: "auto" }));

@@ -8,7 +8,7 @@ use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
 use crate::geometry::{Direction, Plane, Point, World};
 use crate::optics::{Base, Cylinder, Sphere, Surface};
-use crate::robust::{Choice, robust_scale};
+use crate::robust::{Choice, robust_scale, sort_by_number};
 
 /// Points looked at by the search: enough for a median, few enough for thousands of trials.
 const MOST_POINTS: usize = 120;
@@ -44,7 +44,7 @@ pub(super) fn cylinders(points: &[Point<World>], front: Point<World>) -> Vec<Sur
             .min_by(|a, b| a.0.total_cmp(&b.0));
         found.extend(best);
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut found, |start| start.0);
     let middle = mean(&points);
     found
         .into_iter()

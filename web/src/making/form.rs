@@ -8,6 +8,7 @@ use leptos::prelude::*;
 use web_sys::File;
 
 use super::state::Making;
+use super::views::ViewList;
 use super::{measure, save, taken_from};
 use crate::files;
 use crate::run::{Drafted, PartShown, QuestionShown};
@@ -21,7 +22,7 @@ pub(crate) fn MakingScreen() -> impl IntoView {
         let parts = of_draft(making, |drafted| {
             let parts = drafted.parts.iter();
             parts
-                .map(|part| (part.id.clone(), part.title.clone(), part.optional))
+                .map(|part| (part.id.clone(), part.title.clone(), part.invitation.clone()))
                 .collect()
         });
         parts.unwrap_or_else(Vec::new)
@@ -36,8 +37,8 @@ pub(crate) fn MakingScreen() -> impl IntoView {
                 </p>
             </div>
             <div class="making-parts">
-                <For each=move || ids.get() key=|(id, ..)| id.clone() let((id, title, optional))>
-                    <PartPanel id title optional />
+                <For each=move || ids.get() key=|(id, ..)| id.clone() let((id, title, invitation))>
+                    <PartPanel id title invitation />
                 </For>
             </div>
             <Missing />
@@ -45,7 +46,7 @@ pub(crate) fn MakingScreen() -> impl IntoView {
     }
 }
 
-fn of_draft<T>(making: Making, what: impl FnOnce(&Arc<Drafted>) -> T) -> Option<T> {
+pub(super) fn of_draft<T>(making: Making, what: impl FnOnce(&Arc<Drafted>) -> T) -> Option<T> {
     making.drafted.with(|drafted| drafted.as_ref().map(what))
 }
 
@@ -59,7 +60,7 @@ fn part_of<T: Default>(making: Making, id: &str, what: impl FnOnce(&PartShown) -
 }
 
 #[component]
-fn PartPanel(id: String, title: String, optional: bool) -> impl IntoView {
+fn PartPanel(id: String, title: String, invitation: Option<String>) -> impl IntoView {
     let making = Workbench::get().making;
     let heading = format!("making-{id}");
     let labelled_by = heading.clone();
@@ -79,6 +80,7 @@ fn PartPanel(id: String, title: String, optional: bool) -> impl IntoView {
             </div>
         }
     };
+    let optional = invitation.is_some();
     let files = match id.as_str() {
         "pictures" => view! { <Pictures /> }.into_any(),
         "camera" => {
@@ -100,16 +102,17 @@ fn PartPanel(id: String, title: String, optional: bool) -> impl IntoView {
                 </span>
             </h2>
             {files} <p class="making-found">{move || found.get()}</p>
-            {if optional {
-                view! {
-                    <details>
-                        <summary>"Standard deviations, where they are known"</summary>
-                        {fields()}
-                    </details>
+            {match invitation {
+                Some(invitation) => {
+                    view! {
+                        <details>
+                            <summary>{invitation}</summary>
+                            {fields()}
+                        </details>
+                    }
+                        .into_any()
                 }
-                    .into_any()
-            } else {
-                fields().into_any()
+                None => fields().into_any(),
             }}
         </section>
     }
@@ -245,8 +248,6 @@ fn Pictures() -> impl IntoView {
         making.files_changed();
     };
     let count = move || making.pictures.with(BTreeMap::len);
-    let pairs =
-        Memo::new(move |_| of_draft(making, |drafted| drafted.pairs.clone()).unwrap_or_default());
     let unpaired = Memo::new(move |_| {
         of_draft(making, |drafted| drafted.unpaired.clone()).unwrap_or_default()
     });
@@ -309,36 +310,7 @@ fn Pictures() -> impl IntoView {
                 </ul>
             </details>
         </Show>
-        <Show when=move || !pairs.with(Vec::is_empty)>
-            <details class="making-list" data-testid="pairs">
-                <summary>"The pairs"</summary>
-                <div class="making-pairs" tabindex="0" role="region" aria-label="Pairs of pictures">
-                    <table>
-                        <thead>
-                            <tr>
-                                <th scope="col">"View"</th>
-                                <th scope="col">"Laser on"</th>
-                                <th scope="col">"Laser off"</th>
-                            </tr>
-                        </thead>
-                        <tbody>
-                            {move || {
-                                let row = |[id, on, off]: [String; 3]| {
-                                    view! {
-                                        <tr>
-                                            <th scope="row">{id}</th>
-                                            <td>{on}</td>
-                                            <td>{off}</td>
-                                        </tr>
-                                    }
-                                };
-                                pairs.get().into_iter().map(row).collect_view()
-                            }}
-                        </tbody>
-                    </table>
-                </div>
-            </details>
-        </Show>
+        <ViewList />
     }
 }
 

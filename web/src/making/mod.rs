@@ -4,11 +4,12 @@
 mod arrival;
 mod form;
 mod state;
+mod views;
 
 use leptos::html;
 use leptos::prelude::*;
 use wasm_bindgen_futures::spawn_local;
-use web_sys::DataTransfer;
+use web_sys::{Blob, DataTransfer};
 
 use self::arrival::{Arrived, Dropped, chosen};
 pub(crate) use self::form::MakingScreen;
@@ -16,6 +17,7 @@ pub(crate) use self::state::Making;
 use self::state::{Kind, by_turns, packed};
 use crate::files;
 use crate::run::{Hand, MakeRequest, Problem};
+use crate::sessions::Origin;
 use crate::share::open_file;
 use crate::state::Workbench;
 
@@ -78,6 +80,21 @@ pub(crate) fn open(workbench: Workbench, mut files: Vec<Arrived>) {
 
 /// Opens a folder with a manifest.
 fn open_folder(workbench: Workbench, files: Vec<Arrived>) {
+    let open = move |archive, name| workbench.open(archive, name, Origin::Folder);
+    pack_folder(workbench, files, Box::new(open));
+}
+
+/// Makes an archive of a folder that was chosen once more.
+pub(crate) fn pack_chosen(
+    workbench: Workbench,
+    input: NodeRef<html::Input>,
+    then: impl FnOnce(Blob, String) + 'static,
+) {
+    pack_folder(workbench, taken_from(input), Box::new(then));
+}
+
+/// Makes an archive of a folder with a manifest, and then does something with it and its name.
+fn pack_folder(workbench: Workbench, files: Vec<Arrived>, then: Box<dyn FnOnce(Blob, String)>) {
     let name = files.first().and_then(|file| file.path.split_once('/'));
     let name = name.map_or("scan.json", |(folder, _)| folder).to_owned();
     let told = name.clone();
@@ -91,9 +108,7 @@ fn open_folder(workbench: Workbench, files: Vec<Arrived>) {
         )
         .await
     };
-    workbench.wait_for(name.clone(), packed, move |archive| {
-        workbench.open(archive, name);
-    });
+    workbench.wait_for(name.clone(), packed, move |archive| then(archive, name));
 }
 
 /// Measures the scan that is being made. The form stays as it is until there is a result.
@@ -103,7 +118,7 @@ fn measure(workbench: Workbench) {
     let told = name.clone();
     let archive = async move { making.archive(reading(workbench, told)).await };
     workbench.wait_for(name.clone(), archive, move |archive| {
-        workbench.open(archive, name);
+        workbench.open(archive, name, Origin::Pictures);
     });
 }
 

@@ -13,7 +13,9 @@ use wasm_bindgen_futures::spawn_local;
 use web_sys::{Blob, File};
 
 use super::arrival::Arrived;
-use crate::run::{Drafted, Hand, MakeReply, MakeRequest, Problem, sleep, unexpected};
+use crate::run::{
+    Drafted, Hand, MakeReply, MakeRequest, Problem, Thumbnail, ViewShown, sleep, unexpected,
+};
 
 /// A scan that is being made. A handle: copies mean the same.
 #[derive(Clone, Copy)]
@@ -34,6 +36,8 @@ pub(crate) struct Making {
     hand: StoredValue<Option<Rc<Hand>>, LocalStorage>,
     /// Files, or answers, changed since the worker was told.
     news: StoredValue<News>,
+    /// The worker is at somebody's pictures.
+    developing: StoredValue<bool>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -58,6 +62,7 @@ impl Making {
             problem,
             hand: StoredValue::new_local(None),
             news: StoredValue::new(News::default()),
+            developing: StoredValue::new(false),
         }
     }
 
@@ -157,6 +162,31 @@ impl Making {
             pictures,
             calibration: file(self.calibration.get_untracked()),
             poses: file(self.poses.get_untracked()),
+        }
+    }
+
+    /// A view's pictures, small: with the laser on, and with it off.
+    pub(super) async fn thumbnails(
+        self,
+        view: ViewShown,
+    ) -> Result<(Thumbnail, Option<Thumbnail>), Problem> {
+        const LOOK: i32 = 20;
+        // One at a time: what is typed meanwhile waits for one view's pictures, not for a screenful.
+        while self.developing.get_value() {
+            sleep(LOOK).await;
+        }
+        self.developing.set_value(true);
+        let thumbnails = self.developed(view).await;
+        self.developing.set_value(false);
+        thumbnails
+    }
+
+    async fn developed(self, view: ViewShown) -> Result<(Thumbnail, Option<Thumbnail>), Problem> {
+        let ViewShown { on, off, .. } = view;
+        let hand = self.hand().await?;
+        match hand.make(MakeRequest::Thumbnails { on, off }).await? {
+            MakeReply::Thumbnails(on, off) => Ok((on, off)),
+            _ => Err(unexpected()),
         }
     }
 

@@ -7,7 +7,7 @@ use snellius::export::Status;
 use super::packed::{self, Packed};
 use super::report::{Place, Spot, Stand, StationFacts, ViewOutcome};
 
-/// For [`super::report::Outcome::views`].
+/// For [`super::report::Piece::Views`].
 pub(super) mod views {
     use super::{ViewColumns, ViewOutcome};
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -26,7 +26,7 @@ pub(super) mod views {
     }
 }
 
-/// For [`super::report::Facts::stations`].
+/// For [`super::report::Piece::Stations`].
 pub(super) mod stations {
     use super::{StationColumns, StationFacts};
     use serde::{Deserialize, Deserializer, Serialize, Serializer};

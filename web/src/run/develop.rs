@@ -32,33 +32,65 @@ pub(super) fn develop(pictures: &PicturePair) -> PictureSet {
     }
 }
 
-/// A picture, small: each pixel is the mean of those it stands for, lifted to the brightest.
+/// A picture, small, lifted to its brightest.
 pub(super) fn thumbnail(picture: &Picture) -> Thumbnail {
-    const WIDTH: usize = 96;
-    let size = picture.width.div_ceil(WIDTH).max(1);
-    let (width, height) = (picture.width.div_ceil(size), picture.height.div_ceil(size));
-    let mean = |column: usize, row: usize| {
-        let right = ((column + 1) * size).min(picture.width);
-        let bottom = ((row + 1) * size).min(picture.height);
-        let rows = row * size..bottom;
-        let sum: u32 = rows
-            .flat_map(|v| {
-                &picture.grey[v * picture.width + column * size..v * picture.width + right]
-            })
-            .map(|grey| u32::from(*grey))
-            .sum();
-        f64::from(sum) / ((right - column * size) * (bottom - row * size)) as f64
-    };
-    let means: Vec<f64> = (0..height)
-        .flat_map(|row| (0..width).map(move |column| (column, row)))
-        .map(|(column, row)| mean(column, row))
-        .collect();
-    let brightest = means.iter().fold(1.0, |most, mean| f64::max(most, *mean));
-    let shade = |mean: &f64| (mean / brightest).sqrt() * 255.0;
-    Thumbnail {
-        width: width as u32,
-        height: height as u32,
-        pixels: rgba(means.iter().map(|mean| [shade(mean) as u8; 3])),
+    let small = Small::of(picture);
+    small.lifted(small.brightest())
+}
+
+/// The pictures of a pair, small. Both are lifted by as much: what the laser adds is to be seen.
+pub(super) fn thumbnails(on: &Picture, off: Option<&Picture>) -> (Thumbnail, Option<Thumbnail>) {
+    let (on, off) = (Small::of(on), off.map(Small::of));
+    let brightest = on.brightest();
+    (on.lifted(brightest), off.map(|off| off.lifted(brightest)))
+}
+
+/// A picture of which each pixel is the mean of those it stands for.
+struct Small {
+    width: usize,
+    height: usize,
+    means: Vec<f64>,
+}
+
+impl Small {
+    fn of(picture: &Picture) -> Self {
+        const WIDTH: usize = 96;
+        let size = picture.width.div_ceil(WIDTH).max(1);
+        let (width, height) = (picture.width.div_ceil(size), picture.height.div_ceil(size));
+        let mean = |column: usize, row: usize| {
+            let right = ((column + 1) * size).min(picture.width);
+            let bottom = ((row + 1) * size).min(picture.height);
+            let rows = row * size..bottom;
+            let sum: u32 = rows
+                .flat_map(|v| {
+                    &picture.grey[v * picture.width + column * size..v * picture.width + right]
+                })
+                .map(|grey| u32::from(*grey))
+                .sum();
+            f64::from(sum) / ((right - column * size) * (bottom - row * size)) as f64
+        };
+        let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        Self {
+            width,
+            height,
+            means: places.map(|(column, row)| mean(column, row)).collect(),
+        }
+    }
+
+    fn brightest(&self) -> f64 {
+        self.means
+            .iter()
+            .fold(1.0, |most, mean| f64::max(most, *mean))
+    }
+
+    /// As it is shown: white is the brightest.
+    fn lifted(&self, brightest: f64) -> Thumbnail {
+        let shade = |mean: &f64| (mean / brightest).min(1.0).sqrt() * 255.0;
+        Thumbnail {
+            width: self.width as u32,
+            height: self.height as u32,
+            pixels: rgba(self.means.iter().map(|mean| [shade(mean) as u8; 3])),
+        }
     }
 }
 

@@ -1,24 +1,27 @@
 //! Making a scan: what the page asks of a worker, which reads and packs, and how that answers.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 
 use js_sys::Array;
 use serde::{Deserialize, Serialize};
 use snellius::compose::{
-    Answers, Composed, Draft, Packer, Part, Piece, QUESTIONS, Question, QuestionKind, picture_size,
+    Answers, Composed, Draft, Key, Packer, Part, Piece, QUESTIONS, Question, QuestionKind,
+    picture_size,
 };
-use snellius::scan::{MANIFEST_NAME, Manifest, WriteError};
+use snellius::scan::{MANIFEST_NAME, Manifest, Picture, WriteError};
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, FileReaderSync};
 
 use super::blob_reader::BlobReader;
+use super::develop::thumbnails;
+use super::messages::Thumbnail;
 use super::problem::Problem;
 
 /// How much of a picture is read at a time.
 const READ_AHEAD: usize = 1 << 20;
 
-/// How many pairs, and how many pictures without a partner, are listed.
+/// How many views, and how many pictures without a partner, are listed.
 const LISTED: usize = 500;
 
 /// What a worker can be asked.
@@ -36,6 +39,8 @@ pub(crate) enum MakeRequest {
     },
     /// Say what is missing with these answers. Answered by `Drafted`.
     Draft(BTreeMap<String, String>),
+    /// Decode two of the pictures, small: with the laser on, and with it off. Answered by `Thumbnails`.
+    Thumbnails { on: String, off: Option<String> },
     /// Begin to pack what was drafted last. Answered by `ToDo`.
     Pack,
     /// Begin to pack a folder with a manifest: path and file by turns. Answered by `ToDo`.
@@ -51,6 +56,7 @@ pub(crate) enum MakeRequest {
 pub(crate) enum MakeReply {
     Done,
     Drafted(Box<Drafted>),
+    Thumbnails(Thumbnail, Option<Thumbnail>),
     /// How many files there are to be packed.
     ToDo(usize),
     Archive(#[serde(with = "serde_wasm_bindgen::preserve")] Blob),
@@ -60,11 +66,23 @@ pub(crate) enum MakeReply {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Drafted {
     pub(crate) parts: Vec<PartShown>,
-    /// View, picture with the laser on, picture with it off: the first few hundred.
-    pub(crate) pairs: Vec<[String; 3]>,
+    /// How many views the pictures make.
+    pub(crate) view_count: usize,
+    /// The first few hundred of them.
+    pub(crate) views: Vec<ViewShown>,
     /// Picture, and what it lacks: likewise.
     pub(crate) unpaired: Vec<[String; 2]>,
+    /// The question whose answer tells the views in air, if it is asked.
+    pub(crate) asks_air: Option<String>,
     pub(crate) ready: bool,
+}
+
+/// The pictures of a view.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(crate) struct ViewShown {
+    pub(crate) id: String,
+    pub(crate) on: String,
+    pub(crate) off: Option<String>,
 }
 
 /// A part of the form.
@@ -77,8 +95,8 @@ pub(crate) struct PartShown {
     pub(crate) questions: Vec<QuestionShown>,
     /// What it lacks.
     pub(crate) gaps: Vec<String>,
-    /// It may be left as it is.
-    pub(crate) optional: bool,
+    /// What opens it, if it may be left as it is.
+    pub(crate) invitation: Option<String>,
 }
 
 /// A question of the form.
@@ -131,22 +149,28 @@ impl Drafted {
                 found: found(composed, part),
                 questions: questions.map(QuestionShown::of).collect(),
                 gaps: gaps.map(|gap| gap.sentence.clone()).collect(),
-                optional: part == Part::Calibration,
+                invitation: part.invitation().map(str::to_owned),
             }
         });
-        let pairs = composed.pairing.pairs.iter().take(LISTED);
+        let views = composed.views.iter().take(LISTED);
         let unpaired = composed.pairing.unpaired.iter().take(LISTED);
         Self {
             parts: parts.to_vec(),
-            pairs: pairs
-                .map(|pair| {
-                    let off = pair.off.clone().unwrap_or_default();
-                    [pair.id.clone(), pair.on.clone(), off]
+            view_count: composed.views.len(),
+            views: views
+                .map(|view| ViewShown {
+                    id: view.id.clone(),
+                    on: view.on.clone(),
+                    off: view.off.clone(),
                 })
                 .collect(),
             unpaired: unpaired
                 .map(|one| [one.picture.clone(), one.lack.to_string()])
                 .collect(),
+            asks_air: composed
+                .asked
+                .contains(&Key::InAir)
+                .then(|| Key::InAir.question().id.to_owned()),
             ready: composed.manifest.is_some(),
         }
     }
@@ -219,6 +243,12 @@ impl Maker {
                 self.manifest = composed.manifest;
                 Ok(MakeReply::Drafted(Box::new(drafted)))
             }
+            MakeRequest::Thumbnails { on, off } => {
+                let on = self.picture(&on)?;
+                let off = off.map(|off| self.picture(&off)).transpose()?;
+                let (on, off) = thumbnails(&on, off.as_ref());
+                Ok(MakeReply::Thumbnails(on, off))
+            }
             MakeRequest::Pack => {
                 let manifest = self.manifest.as_ref().ok_or_else(out_of_order)?;
                 let written = serde_json::to_vec_pretty(manifest);
@@ -239,6 +269,16 @@ impl Maker {
                 packing.archive().map(MakeReply::Archive)
             }
         }
+    }
+
+    fn picture(&self, name: &str) -> Result<Picture, Problem> {
+        let file = self.files.get(name).ok_or_else(out_of_order)?;
+        let broken = |why: String| Problem::input(format!("{name}: {why}."), "Choose it again.");
+        let [width, height] = size_of(file).ok_or_else(|| broken("no picture".to_owned()))?;
+        let mut bytes = Vec::new();
+        let read = reader(file)?.read_to_end(&mut bytes);
+        read.map_err(|error| broken(error.to_string()))?;
+        Picture::decode(&bytes, width, height).map_err(|error| broken(error.to_string()))
     }
 
     fn begin(&mut self, packing: Packing) -> MakeReply {

@@ -4,9 +4,10 @@ mod blob_reader;
 mod columns;
 mod develop;
 mod figure;
+mod graphics;
 mod guest;
 mod hand;
-mod lab;
+
 mod making;
 mod mesh;
 mod messages;
@@ -18,12 +19,13 @@ mod program;
 mod report;
 mod study;
 pub(crate) mod worker;
+mod workers;
 
 pub(crate) use figure::{Drawn, FigureForm, FigureOf, Figured, MarkAt};
+pub(crate) use graphics::{graphics_started, start_graphics};
 pub(crate) use guest::{About, Guest};
 pub(crate) use hand::{Hand, unexpected};
-pub(crate) use lab::{Lab, Progress, with_note};
-pub(crate) use making::{Drafted, MakeReply, MakeRequest, PartShown, QuestionShown};
+pub(crate) use making::{Drafted, MakeReply, MakeRequest, PartShown, QuestionShown, ViewShown};
 pub(crate) use mesh::{Mesh, Through};
 pub(crate) use messages::{PictureSet, Thumbnail, WrittenSpots};
 pub(crate) use passing::{LinkMade, PageWish};
@@ -34,6 +36,7 @@ pub(crate) use report::{
     Face, Facts, Index, ObjectPoint, Outcome, Place, Shown, Spot, Stand, VesselPoint, Wall,
 };
 pub(crate) use study::{CurveKind, MethodReport, Study, StudyCurve};
+pub(crate) use workers::{Progress, Workers, with_note};
 
 /// Waits so many milliseconds.
 pub(crate) async fn sleep(milliseconds: i32) {

@@ -1,11 +1,12 @@
 //! The worker's side of passing on: what was passed on becomes a document, and what was measured a link or a
 //! page.
 
+use js_sys::Uint8Array;
 use serde::{Deserialize, Serialize};
 use snellius::export::ReconstructionResult;
 use snellius::pipeline::Settings;
 use snellius::share::{
-    Document, DocumentError, LinkError, Rounding, decode, document_in, encode, one_file,
+    Document, DocumentError, LinkError, Rounding, Viewer, decode, document_in, encode, one_file,
 };
 use web_sys::{Blob, FileReaderSync};
 
@@ -25,7 +26,11 @@ pub(crate) struct LinkMade {
 /// What a one-file page is to be made of, beside the reconstruction.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct PageWish {
+    /// The viewer's page.
     pub(crate) viewer: String,
+    /// The viewer's module.
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    pub(crate) module: Uint8Array,
     pub(crate) title: String,
     pub(crate) notes: String,
 }
@@ -115,7 +120,11 @@ pub(super) fn page(wish: PageWish, document: Document) -> Result<String, Problem
     } = document;
     let title = Some(wish.title).filter(|title| !title.trim().is_empty());
     let document = Document::new(title, wish.notes, settings, scan, result);
-    one_file(&wish.viewer, &document).map_err(|error| Problem::own(error.to_string()))
+    let viewer = Viewer {
+        page: &wish.viewer,
+        module: &wish.module.to_vec(),
+    };
+    one_file(&viewer, &document).map_err(|error| Problem::own(error.to_string()))
 }
 
 fn largest(rounding: Rounding) -> f64 {

@@ -34,7 +34,7 @@ pub(crate) struct Facts {
     /// How many sweeps there are.
     pub(crate) sweeps: usize,
     /// The stations, in the manifest's order.
-    #[serde(with = "columns::stations")]
+    #[serde(skip)]
     pub(crate) stations: Vec<StationFacts>,
     /// The session that was packed with the scan, as it is written down.
     pub(crate) session: Option<String>,
@@ -76,20 +76,20 @@ pub(crate) struct Outcome {
     /// The result in a few numbers.
     pub(crate) summary: Summary,
     /// The views, in the manifest's order.
-    #[serde(with = "columns::views")]
+    #[serde(skip)]
     pub(crate) views: Vec<ViewOutcome>,
     /// The object's points, view after view.
-    #[serde(with = "packed")]
+    #[serde(skip)]
     pub(crate) object: Vec<ObjectPoint>,
     /// The wall's points, view after view.
-    #[serde(with = "packed")]
+    #[serde(skip)]
     pub(crate) vessel: Vec<VesselPoint>,
     /// What to know before trusting it.
     pub(crate) warnings: Vec<Warning>,
 }
 
-/// A part of an outcome. The page takes one after the other, each in a task of its own: a million points in
-/// one task would keep it from everything else.
+/// A part of the long lists of facts and outcome, which are sent ahead of the rest. The page takes one after
+/// the other, each in a task of its own: a million points in one task would keep it from everything else.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum Piece {
     Stations(#[serde(with = "columns::stations")] Vec<StationFacts>),

@@ -12,6 +12,8 @@ pub(super) struct Pace {
     affordable: Cell<usize>,
     /// When something moved last, ms.
     moved: Cell<f64>,
+    /// When something moved first since the last frame, ms; nothing, and nothing has.
+    first: Cell<Option<f64>>,
     /// When the last frame in motion was drawn, ms.
     last: Cell<f64>,
     /// How many points the last frame had.
@@ -25,6 +27,7 @@ impl Default for Pace {
         Self {
             affordable: Cell::new(AT_FIRST),
             moved: Cell::new(f64::MIN),
+            first: Cell::new(None),
             last: Cell::new(f64::MIN),
             drawn: Cell::new(0),
         }
@@ -34,23 +37,26 @@ impl Default for Pace {
 impl Pace {
     /// Something moves.
     pub(super) fn moves(&self) {
-        self.moved.set(now());
-    }
-
-    fn is_in_motion(&self) -> bool {
-        const REST: f64 = 180.0;
-        now() - self.moved.get() < REST
+        let now = now();
+        self.moved.set(now);
+        self.first.set(self.first.get().or(Some(now)));
     }
 
     /// How many of all points the frame at a time (ms) may have.
     pub(super) fn points(&self, time: f64, all: usize) -> usize {
-        if !self.is_in_motion() {
+        const REST: f64 = 180.0;
+        let first = self.first.take();
+        // A slow card draws a frame long after the hand has moved: it is one in motion all the same.
+        let is_in_motion = first.is_some() || now() - self.moved.get() < REST;
+        if !is_in_motion {
             self.last.set(f64::MIN);
             self.drawn.set(all);
             return all;
         }
-        let passed = time - self.last.replace(time);
-        self.learn(passed);
+        let last = self.last.replace(time);
+        if !is_pause(last, first) {
+            self.learn(time - last);
+        }
         let points = self.affordable.get().min(all);
         self.drawn.set(points);
         points
@@ -62,11 +68,9 @@ impl Pace {
         const SLOW: f64 = 34.0;
         /// and so quick ones may have more points.
         const QUICK: f64 = 20.0;
-        /// A longer pause is one of the hand.
-        const PAUSE: f64 = 1000.0;
         const MOST: usize = 1 << 24;
         let affordable = self.affordable.get();
-        if (SLOW..PAUSE).contains(&passed) {
+        if passed >= SLOW {
             let share = (SLOW / passed).max(0.5);
             let fewer = (affordable as f64 * share) as usize;
             self.affordable.set(fewer.max(BATCH));
@@ -79,4 +83,10 @@ impl Pace {
     pub(super) fn is_behind(&self, all: usize) -> bool {
         self.drawn.get() < all
     }
+}
+
+/// Whether the hand, not the card, was what took its time between two frames.
+fn is_pause(last: f64, first: Option<f64>) -> bool {
+    const LONG: f64 = 60.0;
+    last == f64::MIN || first.is_some_and(|first| first - last > LONG)
 }

@@ -5,6 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
+use js_sys::Reflect;
 use three_d::{ClearState, Context, CoreError, InnerSpace, RenderTarget, Vec2, Viewport};
 use wasm_bindgen::prelude::*;
 use web_sys::{
@@ -24,7 +25,7 @@ use super::points::{PointProgram, PointStyle, Points, ScenePoint};
 use super::section::Slab;
 use crate::files::save_blob;
 use crate::measuring::Picked;
-use crate::run::{now, sleep};
+use crate::run::{graphics_started, now, sleep};
 use crate::state::{Look, Section};
 
 /// Why there is no stage.
@@ -138,19 +139,24 @@ impl Set {
 }
 
 impl Stage {
-    /// Each of its steps may take the graphics card long, so each is a task of its own.
+    /// Each of its steps may take the graphics card long, so each is a task of its own, and waits for the one before.
     pub(super) async fn new(
         canvas: HtmlCanvasElement,
         labels: HtmlElement,
     ) -> Result<Self, NoStage> {
-        let context = graphics(&canvas)?;
-        sleep(0).await;
+        graphics_started().await;
+        // It takes the card long to change its size later.
+        match_resolution(&canvas);
+        let graphics = graphics(&canvas)?;
+        caught_up(&graphics).await;
+        let context = context(&graphics)?;
+        caught_up(&graphics).await;
         let points = PointProgram::new(&context)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
         let lines = LineProgram::new(&context)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
         let wall = Faces::new(&context)?;
-        sleep(0).await;
+        caught_up(&graphics).await;
         let points = || Points::new(Rc::clone(&points));
         let lines = || Lines::new(&lines);
         let set = Set {
@@ -412,11 +418,7 @@ impl Stage {
 
     /// The canvas's size, CSS px.
     pub(super) fn css_size(&self) -> Vec2 {
-        let canvas = &self.0.canvas;
-        Vec2::new(
-            canvas.client_width().max(1) as f32,
-            canvas.client_height().max(1) as f32,
-        )
+        css_size(&self.0.canvas)
     }
 
     fn aspect(&self) -> f32 {
@@ -443,6 +445,10 @@ impl Stage {
         self.0.frame_asked_for.set(None);
         let bending = self.step_refraction(time);
         let filling = self.0.set.borrow_mut().fill_some();
+        if filling {
+            // All of them once all are there: every frame of a million points would hold up the next ones.
+            self.0.pace.moves();
+        }
         self.match_resolution();
         let points = self.0.set.borrow().content.counts().iter().sum();
         self.draw(false, self.0.pace.points(time, points));
@@ -476,16 +482,10 @@ impl Stage {
 
     /// As many pixels as the screen has.
     fn match_resolution(&self) {
-        let ratio = web_sys::window().map_or(1.0, |w| w.device_pixel_ratio()) as f32;
-        let size = self.css_size() * ratio;
-        let (width, height) = (size.x.round() as u32, size.y.round() as u32);
-        let canvas = &self.0.canvas;
-        if canvas.width() != width || canvas.height() != height {
-            canvas.set_width(width);
-            canvas.set_height(height);
-            if let Some(subject) = self.0.fitted.get() {
-                self.fit(subject);
-            }
+        if match_resolution(&self.0.canvas)
+            && let Some(subject) = self.0.fitted.get()
+        {
+            self.fit(subject);
         }
     }
 
@@ -571,19 +571,69 @@ fn smooth(way: f32) -> f32 {
     way * way * (3.0 - 2.0 * way)
 }
 
-fn graphics(canvas: &HtmlCanvasElement) -> Result<Context, NoStage> {
+fn css_size(canvas: &HtmlCanvasElement) -> Vec2 {
+    Vec2::new(
+        canvas.client_width().max(1) as f32,
+        canvas.client_height().max(1) as f32,
+    )
+}
+
+/// Gives a canvas as many pixels as the screen has for it; true if it had others.
+fn match_resolution(canvas: &HtmlCanvasElement) -> bool {
+    let ratio = web_sys::window().map_or(1.0, |w| w.device_pixel_ratio()) as f32;
+    let size = css_size(canvas) * ratio;
+    let (width, height) = (size.x.round() as u32, size.y.round() as u32);
+    let is_other = canvas.width() != width || canvas.height() != height;
+    if is_other {
+        canvas.set_width(width);
+        canvas.set_height(height);
+    }
+    is_other
+}
+
+/// Ends when the graphics process has done what it was told. Whoever asks it something before, how a program
+/// was linked, say, is kept until it has; this asks in passing.
+async fn caught_up(graphics: &WebGl2RenderingContext) {
+    const LOOK: i32 = 4;
+    const MOST_LOOKS: usize = 500;
+    type Gl = WebGl2RenderingContext;
+    let Some(fence) = graphics.fence_sync(Gl::SYNC_GPU_COMMANDS_COMPLETE, 0) else {
+        return sleep(0).await;
+    };
+    graphics.flush();
+    for _ in 0..MOST_LOOKS {
+        sleep(LOOK).await;
+        let status = graphics.get_sync_parameter(&fence, Gl::SYNC_STATUS);
+        if status.as_f64() != Some(f64::from(Gl::UNSIGNALED)) {
+            break;
+        }
+    }
+    graphics.delete_sync(Some(&fence));
+}
+
+fn graphics(canvas: &HtmlCanvasElement) -> Result<WebGl2RenderingContext, NoStage> {
     let wishes = WebGlContextAttributes::new();
     wishes.set_antialias(true);
     // For pictures without a ground; what is shown has one.
     wishes.set_alpha(true);
-    let context = canvas
+    canvas
         .get_context_with_context_options("webgl2", &wishes)
         .ok()
         .flatten()
         .and_then(|context| context.dyn_into::<WebGl2RenderingContext>().ok())
-        .ok_or(NoStage)?;
+        .ok_or(NoStage)
+}
+
+/// glow asks for three dozen extensions. The scene needs none of them, and each has the page wait for the
+/// browser's graphics process: meanwhile there are none.
+fn context(graphics: &WebGl2RenderingContext) -> Result<Context, CoreError> {
+    let asked = JsValue::from("getExtension");
+    let none = Closure::<dyn Fn() -> JsValue>::new(|| JsValue::NULL);
+    let _ = Reflect::set(graphics, &asked, none.as_ref());
+    let bare = glow::Context::from_webgl2_context(graphics.clone());
+    let _ = Reflect::delete_property(graphics, &asked);
     // three-d wants an `Arc`; nothing of it leaves the main thread.
     #[allow(clippy::arc_with_non_send_sync)]
-    let shared = Arc::new(glow::Context::from_webgl2_context(context));
-    Ok(Context::from_gl_context(shared)?)
+    let shared = Arc::new(bare);
+    Context::from_gl_context(shared)
 }

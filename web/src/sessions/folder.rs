@@ -6,7 +6,15 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::{
     Blob, File, FileSystemDirectoryHandle, FileSystemFileHandle, FileSystemGetDirectoryOptions,
     FileSystemGetFileOptions, FileSystemRemoveOptions, FileSystemWritableFileStream,
+    StorageEstimate,
 };
+
+/// How much more may be written, bytes, as far as the browser says it.
+pub(super) async fn room() -> Option<f64> {
+    let estimate = web_sys::window()?.navigator().storage().estimate().ok()?;
+    let estimate: StorageEstimate = JsFuture::from(estimate).await.ok()?.unchecked_into();
+    Some(estimate.get_quota()? - estimate.get_usage()?)
+}
 
 /// A folder.
 #[derive(Clone)]

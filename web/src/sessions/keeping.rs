@@ -3,13 +3,15 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
+use leptos::prelude::Set;
 use wasm_bindgen::JsValue;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::Blob;
 
-use super::record::{Found, HowFar, Record};
+use super::not_kept::words;
+use super::record::{Found, HowFar, Origin, Record, Unkept};
 use super::session::Session;
-use crate::run::{Lab, sleep};
+use crate::run::{Workers, sleep};
 use crate::state::Workbench;
 
 /// How often it is looked at what is new, ms.
@@ -17,8 +19,9 @@ const LOOK: i32 = 500;
 
 /// One scan on its way through the page, and what is kept of it.
 pub(crate) struct Keeping {
+    archive: Blob,
     record: RefCell<Record>,
-    lab: RefCell<Option<Rc<Lab>>>,
+    workers: RefCell<Option<Rc<Workers>>>,
     phase: Cell<Phase>,
 }
 
@@ -33,12 +36,17 @@ enum Phase {
 }
 
 impl Keeping {
-    pub(crate) const fn new(record: Record) -> Self {
+    pub(crate) const fn new(record: Record, archive: Blob) -> Self {
         Self {
+            archive,
             record: RefCell::new(record),
-            lab: RefCell::new(None),
+            workers: RefCell::new(None),
             phase: Cell::new(Phase::Opening),
         }
+    }
+
+    pub(crate) const fn archive(&self) -> &Blob {
+        &self.archive
     }
 
     pub(crate) fn record(&self) -> Record {
@@ -56,8 +64,8 @@ impl Keeping {
     }
 
     /// The scan is open.
-    pub(crate) fn measures(&self, lab: &Rc<Lab>) {
-        self.lab.replace(Some(Rc::clone(lab)));
+    pub(crate) fn measures(&self, workers: &Rc<Workers>) {
+        self.workers.replace(Some(Rc::clone(workers)));
     }
 
     pub(crate) fn is_shown(&self) {
@@ -72,22 +80,17 @@ impl Keeping {
         self.phase.set(Phase::GivenUp);
     }
 
-    /// Keeps it, until another scan is shown. Where the browser keeps no files the page works without.
-    pub(crate) async fn keep(
-        self: Rc<Self>,
-        workbench: Workbench,
-        file: Blob,
-        kept: Option<Session>,
-    ) {
-        if let Err(error) = self.try_to_keep(workbench, file, kept).await {
+    /// Keeps it, until another scan is shown. What cannot be kept is said, and the measurement goes on.
+    pub(crate) async fn keep(self: Rc<Self>, workbench: Workbench, kept: Option<Session>) {
+        if let Err(error) = self.try_to_keep(workbench, kept).await {
             web_sys::console::info_2(&"The session is not kept:".into(), &error);
+            self.tell_unkept(workbench, Unkept::News);
         }
     }
 
     async fn try_to_keep(
-        &self,
+        self: &Rc<Self>,
         workbench: Workbench,
-        file: Blob,
         kept: Option<Session>,
     ) -> Result<(), JsValue> {
         let is_new = kept.is_none();
@@ -96,9 +99,10 @@ impl Keeping {
             None => Session::begin().await?,
         };
         session.write(&self.record()).await?;
-        if is_new && !self.record().is_too_large() {
+        if is_new {
             // It takes its time; what is measured meanwhile is kept all the same.
-            spawn_local(keep_archive(session.id().to_owned(), file));
+            let (keeping, id) = (Rc::clone(self), session.id().to_owned());
+            spawn_local(async move { keeping.keep_archive(workbench, &id).await });
         }
         let mut written = self.record();
         loop {
@@ -117,13 +121,40 @@ impl Keeping {
         }
     }
 
+    /// Without its archive a session asks for that when it is opened.
+    async fn keep_archive(&self, workbench: Workbench, id: &str) {
+        if !self.record().lacks_archive() {
+            let kept = async { Session::open(id).await?.keep_archive(&self.archive).await };
+            let Err(error) = kept.await else { return };
+            web_sys::console::info_2(&"The archive is not kept:".into(), &error);
+            self.record.borrow_mut().unkept = Some(Unkept::Archive);
+        }
+        if let Some(what) = self.record().unkept {
+            self.tell_unkept(workbench, what);
+        }
+    }
+
+    fn tell_unkept(&self, workbench: Workbench, what: Unkept) {
+        if matches!(self.phase.get(), Phase::Opening | Phase::Shown) {
+            let record = self.record();
+            workbench.unkept.set(words(what, &record));
+            workbench
+                .offers_archive
+                .set(record.origin == Origin::Pictures);
+        }
+    }
+
     async fn write_news(
         &self,
         workbench: Workbench,
         session: &Session,
         written: &mut Record,
     ) -> Result<(), JsValue> {
-        let news = self.lab.borrow().as_ref().and_then(|lab| lab.news());
+        let news = self
+            .workers
+            .borrow()
+            .as_ref()
+            .and_then(|workers| workers.news());
         if let Some((settings, spots)) = news {
             session.keep_found(&Found { settings, spots }).await?;
         }
@@ -166,17 +197,9 @@ impl Keeping {
     }
 
     async fn picture(&self, session: &Session, view: usize) -> Option<[u32; 2]> {
-        let lab = self.lab.borrow().clone()?;
-        let picture = lab.thumbnail(view).await.ok()?;
+        let workers = self.workers.borrow().clone()?;
+        let picture = workers.thumbnail(view).await.ok()?;
         session.keep_picture(&picture).await.ok()?;
         Some([picture.width, picture.height])
-    }
-}
-
-/// Without its archive a session asks for that when it is opened.
-async fn keep_archive(id: String, archive: Blob) {
-    let kept = async { Session::open(&id).await?.keep_archive(&archive).await };
-    if let Err(error) = kept.await {
-        web_sys::console::info_2(&"The archive is not kept:".into(), &error);
     }
 }

@@ -13,6 +13,9 @@ use crate::run::{Plan, WrittenSpots, build};
 /// The form of what is written down; raised when older pages could not read it.
 const VERSION: u32 = 1;
 
+/// Of larger archives no copy is kept, bytes.
+const LARGE: f64 = 1e9;
+
 /// A session: how a scan is measured, and how far that is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Record {
@@ -24,6 +27,12 @@ pub(crate) struct Record {
     /// The archive's size, by which it is known again.
     #[serde(default)]
     pub(crate) archive_bytes: Option<f64>,
+    /// Where that came from.
+    #[serde(default)]
+    pub(crate) origin: Origin,
+    /// What of it is not kept.
+    #[serde(default)]
+    pub(crate) unkept: Option<Unkept>,
     /// When it was begun and changed last, ms since 1970.
     pub(crate) begun: f64,
     pub(crate) changed: f64,
@@ -40,6 +49,29 @@ pub(crate) struct Record {
     pub(crate) picture: Option<[u32; 2]>,
 }
 
+/// Where the archive of a session came from, and can be had from again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Origin {
+    /// It is a file.
+    #[default]
+    File,
+    /// It was made of a folder with a manifest.
+    Folder,
+    /// It was made of pictures, in the form.
+    Pictures,
+}
+
+/// What of a session is not kept, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Unkept {
+    /// A copy of its archive, which would take as much of the disk again.
+    LargeArchive,
+    /// A copy of its archive: the browser has no room for it, or fails.
+    Archive,
+    /// What is new of it, likewise; or all, where the browser keeps no files.
+    News,
+}
+
 /// How far a measurement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum HowFar {
@@ -52,14 +84,16 @@ pub(crate) enum HowFar {
 }
 
 impl Record {
-    /// A session that begins, with an archive of that name and size.
-    pub(crate) fn new(name: &str, bytes: f64) -> Self {
+    /// A session that begins, with an archive of that name, size and origin.
+    pub(crate) fn new(name: &str, bytes: f64, origin: Origin) -> Self {
         let now = js_sys::Date::now();
         Self {
             version: VERSION,
             name: name.trim_end_matches(".zip").to_owned(),
             file_name: name.to_owned(),
             archive_bytes: Some(bytes),
+            origin,
+            unkept: (bytes > LARGE).then_some(Unkept::LargeArchive),
             begun: now,
             changed: now,
             progress: HowFar::Looking { done: 0, views: 0 },
@@ -71,9 +105,12 @@ impl Record {
         }
     }
 
-    /// Whether its archive is so large that no copy is kept, which would be as much of the disk again.
-    pub(crate) fn is_too_large(&self) -> bool {
-        const LARGE: f64 = 1e9;
+    /// Whether no copy of its archive is kept, so that it has to be had again.
+    pub(crate) fn lacks_archive(&self) -> bool {
+        matches!(self.unkept, Some(Unkept::LargeArchive | Unkept::Archive)) || self.is_large()
+    }
+
+    fn is_large(&self) -> bool {
         self.archive_bytes.is_some_and(|bytes| bytes > LARGE)
     }
 

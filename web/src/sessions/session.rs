@@ -6,7 +6,7 @@ use js_sys::{Array, Uint8ClampedArray};
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, File};
 
-use super::folder::Folder;
+use super::folder::{self, Folder};
 use super::record::{Found, Record};
 use crate::run::Thumbnail;
 
@@ -60,7 +60,15 @@ impl Session {
         self.folder.write_text(RECORD, &text).await
     }
 
+    /// Keeps a copy of the archive, if there is room for it and for what is found in it.
     pub(crate) async fn keep_archive(&self, archive: &Blob) -> Result<(), JsValue> {
+        const BESIDE: f64 = 20e6;
+        if folder::room()
+            .await
+            .is_some_and(|room| room < archive.size() + BESIDE)
+        {
+            return Err("there is no room for it".into());
+        }
         self.folder.write(ARCHIVE, archive).await
     }
 

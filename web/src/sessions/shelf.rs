@@ -5,11 +5,12 @@ use leptos::prelude::*;
 use leptos::{ev, html};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
-use web_sys::{Blob, CanvasRenderingContext2d, File, HtmlCanvasElement, ImageData};
+use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
 
-use super::record::{HowFar, Record};
+use super::record::{HowFar, Origin, Record};
 use super::session::{self, Session};
 use crate::files;
+use crate::making::pack_chosen;
 use crate::run::{Problem, with_note};
 use crate::state::Workbench;
 
@@ -62,6 +63,7 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
     let id = StoredValue::new(id);
     let renaming = RwSignal::new(false);
     let archive_again = NodeRef::<html::Input>::new();
+    let folder_again = NodeRef::<html::Input>::new();
     let is_deleted = Memo::new(move |_| record.with(|record| record.deleted));
     let delete = move |deleted| {
         change(workbench, id.get_value(), record, move |record| {
@@ -81,7 +83,7 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
             view! { <Rename id=id.get_value() record renaming /> }.into_any()
         } else {
             view! {
-                <button type="button" class="kept-open" data-testid="go-on" on:click=move |_| go_on(workbench, id.get_value(), archive_again)>
+                <button type="button" class="kept-open" data-testid="go-on" on:click=move |_| go_on(workbench, id.get_value(), [archive_again, folder_again])>
                     <Picture id=id.get_value() record />
                     <span class="kept-name">{move || record.get().name}</span>
                     <span class="kept-facts">{move || facts(&record.get())}</span>
@@ -102,8 +104,14 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
     let chosen_again = move |_| {
         let file = archive_again.get().and_then(|input| input.files()?.get(0));
         if let Some(file) = file {
-            go_on_with(workbench, id.get_value(), file);
+            let name = file.name();
+            go_on_with(workbench, id.get_value(), file.into(), name);
         }
+    };
+    let folder_chosen_again = move |_| {
+        pack_chosen(workbench, folder_again, move |archive, name| {
+            go_on_with(workbench, id.get_value(), archive, name);
+        });
     };
     view! {
         <div class="kept">{body}</div>
@@ -115,6 +123,15 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
             aria-label="The session's archive"
             hidden
             on:change=chosen_again
+        />
+        <input
+            node_ref=folder_again
+            type="file"
+            prop:webkitdirectory=true
+            data-testid="folder-again"
+            aria-label="The session's folder"
+            hidden
+            on:change=folder_chosen_again
         />
     }
 }
@@ -199,9 +216,13 @@ fn facts(record: &Record) -> String {
         HowFar::Measured { points, views } => format!("{points} points from {views} views"),
         HowFar::Stopped { views } => format!("{views} views, no points yet"),
     };
-    let archive = match record.is_too_large() {
-        true => ", its archive is too large to be kept and will be asked for",
-        false => "",
+    let archive = match (record.lacks_archive(), record.origin) {
+        (false, _) => "",
+        (true, Origin::File) => ", no copy of its archive is kept: it will be asked for",
+        (true, Origin::Folder) => ", no copy of its folder is kept: it will be asked for",
+        (true, Origin::Pictures) => {
+            ", no copy of its pictures is kept: the archive saved of them will be asked for"
+        }
     };
     let day = Date::new(&record.changed.into()).to_locale_string("default", &JsValue::UNDEFINED);
     format!("{how_far}, {}{archive}", String::from(day))
@@ -226,8 +247,13 @@ fn change(
     });
 }
 
-/// Goes on with a session; if no copy of its archive was kept, with what is chosen now.
-fn go_on(workbench: Workbench, id: String, archive_again: NodeRef<html::Input>) {
+/// Goes on with a session; if no copy of its archive was kept, with the archive or the folder that is chosen
+/// now.
+fn go_on(
+    workbench: Workbench,
+    id: String,
+    [archive_again, folder_again]: [NodeRef<html::Input>; 2],
+) {
     spawn_local(async move {
         match kept(&id).await {
             Ok((session, record, Some(archive))) => {
@@ -235,35 +261,53 @@ fn go_on(workbench: Workbench, id: String, archive_again: NodeRef<html::Input>) 
                 workbench.comes_by_address(false);
                 workbench.go_on(archive, record, found, Some(session));
             }
-            Ok((_, _, None)) => {
-                if let Some(input) = archive_again.get_untracked() {
-                    input.click();
-                }
-            }
+            Ok((_, record, None)) => files::click(match record.origin {
+                Origin::File | Origin::Pictures => archive_again,
+                Origin::Folder => folder_again,
+            }),
             Err(problem) => workbench.fail(problem),
         }
     });
 }
 
 /// Goes on with a session and its archive, which was chosen again.
-fn go_on_with(workbench: Workbench, id: String, archive: File) {
+fn go_on_with(workbench: Workbench, id: String, archive: Blob, name: String) {
     spawn_local(async move {
         match kept(&id).await {
             Ok((session, record, _)) if record.is_of(&archive) => {
                 let found = session.found().await;
-                workbench.go_on(archive.into(), record, found, Some(session));
+                workbench.go_on(archive, record, found, Some(session));
             }
-            Ok((_, record, _)) => workbench.fail(Problem::input(
-                format!(
-                    "\u{201c}{}\u{201d} is another file than the session's \u{201c}{}\u{201d}: it is larger or smaller.",
-                    archive.name(),
-                    record.file_name
-                ),
-                "Choose the file that the session was begun with, or open this one as a new scan.",
-            )),
+            Ok((_, record, _)) => workbench.fail(another(&name, &record)),
             Err(problem) => workbench.fail(problem),
         }
     });
+}
+
+/// What was chosen again is not the session's.
+fn another(name: &str, record: &Record) -> Problem {
+    let own = &record.file_name;
+    let [what, remedy] = match record.origin {
+        Origin::File => [
+            "file",
+            "Choose the file that the session was begun with, or open this one as a new scan.",
+        ],
+        Origin::Folder => [
+            "folder",
+            "Choose the folder that the session was begun with, as it was then.",
+        ],
+        Origin::Pictures => [
+            "file",
+            "Choose the archive that was saved of the session's pictures, or make the scan again of them.",
+        ],
+    };
+    Problem::input(
+        format!(
+            "\u{201c}{name}\u{201d} is another {what} than the session's \u{201c}{own}\u{201d}: it is larger or \
+             smaller."
+        ),
+        remedy,
+    )
 }
 
 fn save(workbench: Workbench, id: String) {
@@ -282,7 +326,18 @@ async fn try_to_save(id: &str) -> Result<(), Problem> {
                 "The browser keeps no copy of \u{201c}{}\u{201d}, which the file would hold.",
                 record.file_name
             ),
-            "Keep the archive itself: the session goes on with it when it is chosen again.",
+            match record.origin {
+                Origin::File => {
+                    "Keep the archive itself: the session goes on with it when it is chosen again."
+                }
+                Origin::Folder => {
+                    "Keep the folder as it is: the session goes on with it when it is chosen again."
+                }
+                Origin::Pictures => {
+                    "Keep the archive that was saved of the pictures: the session goes on with it when it is \
+                     chosen. Who has none makes the scan again from the pictures."
+                }
+            },
         )
     })?;
     let note = record.to_text().unwrap_or_default();

@@ -3,6 +3,7 @@
 use wasm_bindgen_futures::JsFuture;
 use web_sys::Blob;
 
+use crate::sessions::Origin;
 use crate::state::Workbench;
 
 /// Opens a file, whatever it is: what it begins with says what it may be.
@@ -13,7 +14,7 @@ pub(crate) fn open_file(workbench: Workbench, file: Blob, name: String) {
             workbench.receive(name, async move |hand| hand.open_passed(file).await);
         }
         // Anything else is an archive, or the archive's reader says why it is none.
-        _ => workbench.open(file, name),
+        _ => workbench.open(file, name, Origin::File),
     });
 }
 

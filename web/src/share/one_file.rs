@@ -1,5 +1,6 @@
 //! The one-file page: asked for with a title and notes, made of the viewer that lies beside the page.
 
+use js_sys::Uint8Array;
 use leptos::html;
 use leptos::prelude::*;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
@@ -54,7 +55,7 @@ pub(super) fn PageMaker() -> impl IntoView {
 }
 
 async fn make(workbench: Workbench, title: String, notes: String) -> Result<(), Problem> {
-    let viewer = viewer().await.map_err(|cause| {
+    let (viewer, module) = viewer().await.map_err(|cause| {
         Problem::input(
             format!("The viewer that such pages are made of could not be fetched: {cause}."),
             "Check the connection and try again.",
@@ -62,6 +63,7 @@ async fn make(workbench: Workbench, title: String, notes: String) -> Result<(), 
     })?;
     let wish = PageWish {
         viewer,
+        module,
         title,
         notes,
     };
@@ -70,9 +72,13 @@ async fn make(workbench: Workbench, title: String, notes: String) -> Result<(), 
         .map_err(|e| Problem::own(format!("The browser does not save: {e:?}")))
 }
 
-async fn viewer() -> Result<String, String> {
+/// The viewer's page and its module.
+async fn viewer() -> Result<(String, Uint8Array), String> {
     let broken = |_| "the connection broke off".to_owned();
     let text = fetch("viewer.html").await?.text().map_err(broken)?;
     let text = JsFuture::from(text).await.map_err(broken)?;
-    text.as_string().ok_or_else(|| "it is no text".to_owned())
+    let page = text.as_string().ok_or("it is no text")?;
+    let bytes = fetch("viewer.wasm").await?.array_buffer().map_err(broken)?;
+    let bytes = JsFuture::from(bytes).await.map_err(broken)?;
+    Ok((page, Uint8Array::new(&bytes)))
 }

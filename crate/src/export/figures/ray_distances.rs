@@ -3,6 +3,7 @@
 use super::super::ReconstructionResult;
 use super::radius;
 use crate::plot::{Axis, Bar, Dot, Figure, Ink, Layer, PlotError};
+use crate::robust::sort_by_number;
 
 /// The sheet of a line laser meets every line of sight, to the last bits of the numbers.
 const NOTHING: f64 = 1e-9;
@@ -39,7 +40,7 @@ pub(super) fn by_view(result: &ReconstructionResult) -> Result<Figure, PlotError
 /// How often which one occurs.
 pub(super) fn histogram(result: &ReconstructionResult) -> Result<Figure, PlotError> {
     let mut distances = distances(result)?;
-    distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut distances, |distance| distance.0);
     let greatest = distances.last().map_or(0.0, |last| last.0);
     let count = bins(distances.len());
     let width = greatest / count as f64;

@@ -1,4 +1,4 @@
-//! A lab: an open archive and the workers that measure it. It remembers what it found, so that changed
+//! An open archive and the workers that measure it. They remember what they found, so that changed
 //! settings cost only what depends on them.
 
 use std::cell::{Cell, RefCell};
@@ -35,14 +35,14 @@ pub(crate) struct Progress {
 }
 
 /// An open archive and its workers.
-pub(crate) struct Lab {
+pub(crate) struct Workers {
     file: Blob,
     facts: Facts,
     /// One a core, each with the archive open; they find spots and develop pictures.
     observers: RefCell<Vec<Rc<Hand>>>,
     /// The spots of all views, and the settings they were found with.
     found: RefCell<Option<(SpotSettings, Rc<Vec<WrittenSpots>>)>>,
-    /// WrittenSpots of single views, and how they were looked for: those of a search that is not at its end.
+    /// Spots of single views, and how they were looked for: those of a search that is not at its end.
     partly: RefCell<(SpotSettings, BTreeMap<usize, WrittenSpots>)>,
     /// The views in it that were found since somebody asked.
     news: RefCell<Vec<usize>>,
@@ -57,7 +57,7 @@ struct Measurer {
     measured: Option<Plan>,
 }
 
-impl Lab {
+impl Workers {
     /// Opens an archive.
     pub(crate) async fn open(file: Blob) -> Result<Self, Problem> {
         let hand = Hand::start().await?;
