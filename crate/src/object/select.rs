@@ -9,7 +9,7 @@
 
 use super::neighbours::{Forecasts, Misfit, Place, around, together, usual_curvature};
 use super::{Neighbourhood, ObjectPoint};
-use crate::geometry::{Ray, World};
+use crate::geometry::{Point, Ray, World};
 use crate::robust::{median, robust_scale};
 
 /// A spot that passes by its ray distance.
@@ -182,9 +182,10 @@ pub(super) fn select(
         return vec![Selection::default(); fitting.len()];
     };
     let mut selections = alone(fitting, &looks);
-    let around = around_each(beams, &places(fitting, beams, &selections));
+    let places = places(fitting, beams, &selections);
+    let (around, beside) = (around_each(beams, &places), beside_each(beams, &places));
     for _ in 0..ROUNDS {
-        let next = round(fitting, beams, &around, &selections);
+        let next = round(fitting, beams, &around, &beside, &selections);
         let settled = choices(&next) == choices(&selections);
         selections = next;
         if settled {
@@ -264,6 +265,7 @@ fn round(
     fitting: &[&[Fitting]],
     beams: &[Option<Ray<World>>],
     around: &[Vec<usize>],
+    beside: &[Vec<usize>],
     before: &[Selection],
 ) -> Vec<Selection> {
     let chosen: Vec<Option<&Fitting>> = before
@@ -289,8 +291,8 @@ fn round(
     let Some(looks) = Looks::of(chosen.iter().flatten().map(|spot| &spot.look)) else {
         return before.to_vec();
     };
-    let nobody = nobody(before);
     let view = |view: usize| {
+        let beside: Vec<&Selection> = beside[view].iter().map(|other| &before[*other]).collect();
         let evidence = |spot: &Fitting| {
             let hold = |(beam, forecasts): (&Ray<World>, &Forecasts)| {
                 forecasts.hold(&place(spot, beam), curvature, VAGUEST)
@@ -300,7 +302,7 @@ fn round(
                 .zip(forecasts[view].as_ref())
                 .map_or_else(Vec::new, hold);
             let surface = match misfits.is_empty() {
-                true => nobody,
+                true => unforetold(spot, view, beams, &beside),
                 false => together(&misfits),
             };
             let best = misfits
@@ -314,17 +316,71 @@ fn round(
     (0..fitting.len()).map(view).collect()
 }
 
-/// How likely it is that nobody foretells a point of the object, as a logarithm: rarely, but in scans of
-/// few views.
-fn nobody(before: &[Selection]) -> f64 {
-    const RARELY: f64 = -2.5;
-    let chosen = before.iter().filter_map(|s| Some(s.evidence[s.chosen?]));
-    let (mut count, mut unforetold) = (0.0, 0.0);
-    for evidence in chosen {
-        count += 1.0;
-        unforetold += f64::from(u8::from(evidence.misfit.is_none()));
+/// What it says of a spot that no neighbours foretell it, as a logarithm.
+///
+/// Where another beam passes near enough to foretell it, few points of an object have none. Where all pass
+/// farther off, as in scans of few views, it matters in how many of those `beside` it the object is seen.
+fn unforetold(
+    spot: &Fitting,
+    view: usize,
+    beams: &[Option<Ray<World>>],
+    beside: &[&Selection],
+) -> f64 {
+    const NOBODY: f64 = -2.5;
+    let point = spot.point.meeting.point();
+    let near = |beam: &Ray<World>| {
+        let from = point - beam.origin;
+        let along = from.dot(&beam.direction.vector());
+        from.norm_squared() - along * along < VAGUEST * VAGUEST
+    };
+    let others = beams.iter().enumerate().filter(|(other, _)| *other != view);
+    if others.filter_map(|(_, beam)| beam.as_ref()).any(near) {
+        return NOBODY;
     }
-    libm::log((unforetold + 0.5) / (count + 1.0)).max(RARELY)
+    let seen = beside.iter().filter(|view| view.is_supported()).count();
+    let share = (seen as f64 + 0.5) / (beside.len() as f64 + 1.0);
+    libm::log(share)
+}
+
+/// The views that lie beside each.
+fn beside_each(beams: &[Option<Ray<World>>], places: &[Option<Place>]) -> Vec<Vec<usize>> {
+    let depth = |(beam, place): (&Option<Ray<World>>, &Option<Place>)| {
+        let (beam, place) = (beam.as_ref()?, place.as_ref()?);
+        Some((place.point - beam.origin).dot(&beam.direction.vector()))
+    };
+    let depths: Vec<f64> = beams.iter().zip(places).filter_map(depth).collect();
+    if depths.is_empty() {
+        return vec![Vec::new(); beams.len()];
+    }
+    let depth = median(depths);
+    let ends: Vec<Option<Point<World>>> = beams
+        .iter()
+        .map(|beam| Some(beam.as_ref()?.at(depth)))
+        .collect();
+    let beside = |end: &Option<Point<World>>| end.map_or_else(Vec::new, |end| nearest(&ends, end));
+    ends.iter().map(beside).collect()
+}
+
+/// The few points that lie nearest to one of them, without itself.
+fn nearest(points: &[Option<Point<World>>], to: Point<World>) -> Vec<usize> {
+    const MOST: usize = 6;
+    let mut nearest: Vec<(f64, usize)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let Some(distance) = point.map(|point| point.distance(to)) else {
+            continue;
+        };
+        let place = nearest.partition_point(|(other, _)| *other <= distance);
+        if place <= MOST {
+            nearest.insert(place, (distance, index));
+            nearest.truncate(MOST + 1);
+        }
+    }
+    // The first is the point itself.
+    nearest
+        .into_iter()
+        .skip(1)
+        .map(|(_, index)| index)
+        .collect()
 }
 
 fn place(spot: &Fitting, beam: &Ray<World>) -> Place {
