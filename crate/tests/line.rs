@@ -589,3 +589,34 @@ fn views_that_miss_the_object_say_so() {
     }
     assert!((1..6).contains(&missed), "{missed}");
 }
+
+/// A false line that is seen beside the object's, or instead of it, passes every test of its own view. The
+/// other views' surface tells it.
+#[test]
+fn false_lines_become_no_points() {
+    let (mut found, mut wanted, mut false_points, mut ghosts) = (0, 0, 0, 0);
+    for seed in 0..3 {
+        let mut scene = Scene { seed, ..tank() };
+        scene.sweeps[0].views = 12;
+        scene.ghosts.probability = 0.3;
+        scene.ghosts.most = 1;
+        scene.ghosts.light = [90.0, 250.0];
+        scene.ghosts.hides = 0.5;
+        let simulated = simulate(scene);
+        let views = simulated.truth.views.iter();
+        ghosts += views.map(|view| view.ghosts.len()).sum::<usize>();
+        let result = measure(&simulated.archive).unwrap();
+        let score = score(&result, &simulated.truth, Profiles::Rows);
+        found += score.object.len();
+        wanted += score.wanted;
+        false_points += score.false_points;
+    }
+    assert!(ghosts >= 6, "{ghosts} false lines");
+    let share = |count: usize| count as f64 / wanted as f64;
+    assert!(
+        share(false_points) < 0.02,
+        "{} are false",
+        share(false_points)
+    );
+    assert!(share(found) > 0.85, "{} found", share(found));
+}

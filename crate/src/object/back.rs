@@ -5,107 +5,140 @@
 //! front is measured; but its back is a flat surface parallel to the front that lies behind everything
 //! else, with a clear space between, as the object has a rear half too.
 
-use super::{Choice, ObjectPoint, Refusal, Setup};
+use super::{Meeting, Refusal};
+use crate::geometry::{Ray, World};
 use crate::optics::Surface;
+use crate::robust::median;
 use crate::vessel::Wall;
 
 /// Points that are measured to lie less far apart than this may lie on the same face, mm.
-const SAME_FACE: f64 = 3.0;
+const SAME_FACE: f64 = 4.0;
+/// A round vessel's object keeps as far from its far side, mm.
+const CLEAR: f64 = 6.0;
 /// With fewer points there is no saying what is the object.
 const LEAST_OBJECT: usize = 3;
+/// So few points, for each of the back's, may be ghosts that seem to lie in the clear space before it.
+const GHOSTS: f64 = 0.1;
 
-/// Takes back the points that lie on the vessel's back.
-pub(super) fn refuse(setup: &Setup, choices: &mut [Choice]) {
-    let wall = &setup.vessel.wall;
-    let points = || choices.iter().flat_map(|choice| &choice.points);
-    let back = match &wall.outer {
-        Surface::Plane(_) if wall.far.is_none() => {
-            flat_back(points().map(|point| behind_front(wall, point)).collect())
-        }
-        Surface::Cylinder(_) | Surface::Sphere(_) => round_back(
-            points()
-                .filter_map(|point| before_back(wall, point))
-                .collect(),
-        ),
-        Surface::Plane(_) | Surface::Freeform(_) => None,
-    };
-    let Some(back) = back else {
-        return;
-    };
-    for choice in choices {
-        let (on_back, on_object) = choice.points.drain(..).partition(|point| match back {
-            Back::Flat { depth, .. } => behind_front(wall, point) >= depth,
-            Back::Round => before_back(wall, point).is_some_and(|way| way <= SAME_FACE),
-        });
-        choice.points = on_object;
-        let on_back: Vec<ObjectPoint> = on_back;
-        choice.refused.extend(on_back.iter().map(|point| {
-            let refusal = match back {
-                Back::Flat { space, .. } => Refusal::BackWall {
-                    depth: behind_front(wall, point),
-                    space,
-                },
-                Back::Round => Refusal::FarSide,
-            };
-            (point.spot, refusal)
-        }));
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Back {
-    /// From this depth behind the inner face on, after an empty space; both mm.
+/// The lit back of a vessel.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Back<'a> {
+    /// Of a tank: from this depth behind the inner face on, after a clear space; both mm.
     Flat {
+        wall: &'a Wall,
         depth: f64,
         space: f64,
     },
-    Round,
+    /// Of a round vessel.
+    Round(&'a Wall),
 }
 
-fn behind_front(wall: &Wall, point: &ObjectPoint) -> f64 {
-    -wall.outer.signed_distance(point.meeting.point()) - wall.thickness
+impl<'a> Back<'a> {
+    /// Looks for it among the likeliest points of the views, which lie on those beams.
+    pub(super) fn find(wall: &'a Wall, points: &[(Meeting, Ray<World>)]) -> Option<Self> {
+        match &wall.outer {
+            Surface::Plane(_) if wall.far.is_none() => {
+                let depths = points
+                    .iter()
+                    .map(|(meeting, _)| behind_front(wall, meeting));
+                let (depth, space) = flat_back(depths.collect())?;
+                Some(Self::Flat { wall, depth, space })
+            }
+            Surface::Cylinder(_) | Surface::Sphere(_) => {
+                let ways = points.iter();
+                let ways = ways.filter_map(|(meeting, beam)| before_back(wall, meeting, beam));
+                has_round_back(&ways.collect::<Vec<f64>>()).then_some(Self::Round(wall))
+            }
+            Surface::Plane(_) | Surface::Freeform(_) => None,
+        }
+    }
+
+    /// Whether it may be a back, if that many points stand before it. Of a tank's face nothing else tells
+    /// that it is no object; where a round vessel's far side lies is known.
+    pub(super) const fn is_behind(&self, points: usize) -> bool {
+        match self {
+            Self::Flat { .. } => points >= LEAST_OBJECT,
+            Self::Round(_) => true,
+        }
+    }
+
+    /// Why a point is none of the object's, if it lies on the back.
+    pub(super) fn refuse(&self, meeting: &Meeting, beam: &Ray<World>) -> Option<Refusal> {
+        match *self {
+            Self::Flat { wall, depth, space } => {
+                let behind = behind_front(wall, meeting);
+                (behind >= depth).then_some(Refusal::BackWall {
+                    depth: behind,
+                    space,
+                })
+            }
+            Self::Round(wall) => {
+                let way = before_back(wall, meeting, beam)?;
+                (way <= SAME_FACE).then_some(Refusal::FarSide)
+            }
+        }
+    }
 }
 
-/// How far a point lies before the far side of a round wall's inner face, mm; `None` for those of the
-/// front half.
-fn before_back(wall: &Wall, point: &ObjectPoint) -> Option<f64> {
+fn behind_front(wall: &Wall, meeting: &Meeting) -> f64 {
+    -wall.outer.signed_distance(meeting.point()) - wall.thickness
+}
+
+/// How far a point lies before the far side of a round wall's inner face, mm; `None` for those on the near
+/// side, where the beam still runs inwards.
+fn before_back(wall: &Wall, meeting: &Meeting, beam: &Ray<World>) -> Option<f64> {
+    const STEP: f64 = 1e-3;
     let inner = wall.outer.behind(wall.thickness)?;
-    let radius = match &inner {
-        Surface::Cylinder(cylinder) => cylinder.radius,
-        Surface::Sphere(sphere) => sphere.radius,
-        Surface::Plane(_) | Surface::Freeform(_) => return None,
-    };
-    let way = inner.signed_distance(point.meeting.point()).abs();
-    (point.meeting.depth() > radius).then_some(way)
+    let way = inner.signed_distance(meeting.point());
+    let farther_on = meeting.point() + beam.direction * STEP;
+    (inner.signed_distance(farther_on) > way).then_some(way.abs())
 }
 
-/// The tank's back among points at these depths, if there is one.
-fn flat_back(mut depths: Vec<f64>) -> Option<Back> {
+/// The tank's back among points at these depths: the depth from which on they lie on it, and the clear space
+/// before it, mm.
+///
+/// Of all faces parallel to the front with a clear space before them it is the one that has the most points.
+fn flat_back(mut depths: Vec<f64>) -> Option<(f64, f64)> {
+    depths.sort_by(f64::total_cmp);
+    let starts = 0..depths.len();
+    let backs = starts.filter_map(|start| back_from(&depths, start));
+    let most = backs.max_by_key(|(count, ..)| *count)?;
+    Some((most.1, most.2))
+}
+
+/// Whether a back begins with that point, how many points it has, its depth, and the space before it.
+fn back_from(depths: &[f64], start: usize) -> Option<(usize, f64, f64)> {
     /// A smaller space is a step of the object, mm.
     const LEAST_SPACE: f64 = 25.0;
     /// The object's rear half may be a little shallower than its front.
     const REAR: f64 = 0.8;
-    depths.sort_by(f64::total_cmp);
-    let spaces = depths.windows(2).map(|pair| pair[1] - pair[0]).enumerate();
-    let (last, space) = spaces.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let (object, back) = depths.split_at(last + 1);
-    let extent = |depths: &[f64]| depths[depths.len() - 1] - depths[0];
-    let is_back = object.len() >= LEAST_OBJECT
-        && extent(back) <= SAME_FACE
-        && space >= LEAST_SPACE.max(REAR * extent(object));
-    is_back.then_some(Back::Flat {
-        depth: back[0],
-        space,
-    })
+    let depth = depths[start];
+    let before = |depth: f64| depths.partition_point(|other| *other < depth);
+    let count = before(depth + SAME_FACE) - start;
+    let behind = depths.len() - start - count;
+    let ghosts = (GHOSTS * count as f64) as usize;
+    // The ghosts that seem to lie in the clear space are left out.
+    let object = (0..=ghosts.min(start)).map(|left_out| &depths[..start - left_out]);
+    let space = object.map(|object| {
+        let space = depth - object.last()?;
+        let clear = space >= LEAST_SPACE.max(REAR * extent(object));
+        (clear && object.len() >= LEAST_OBJECT).then_some(space)
+    });
+    let space = space.flatten().next()?;
+    (behind <= ghosts).then_some((count, depth, space))
 }
 
-/// The back of a round vessel among points at these distances before it, if any lie on it and the others
+/// How far depths reach, if they are evenly spread but for a few.
+fn extent(depths: &[f64]) -> f64 {
+    let middle = median(depths.to_vec());
+    4.0 * median(depths.iter().map(|depth| (depth - middle).abs()).collect())
+}
+
+/// Whether points at these distances before the far side show that it is lit: some lie on it, and the others
 /// keep clear of it.
-fn round_back(mut before: Vec<f64>) -> Option<Back> {
-    const CLEAR: f64 = 10.0;
-    before.sort_by(f64::total_cmp);
-    let on_back = before.iter().filter(|way| **way <= SAME_FACE).count();
-    let next = before.get(on_back);
-    let is_clear = next.is_none_or(|way| *way >= CLEAR);
-    (on_back > 0 && is_clear).then_some(Back::Round)
+fn has_round_back(before: &[f64]) -> bool {
+    let within = |way: f64| before.iter().filter(|other| **other <= way).count();
+    let on_back = within(SAME_FACE);
+    let near = within(SAME_FACE + CLEAR) - on_back;
+    on_back > 0 && near as f64 <= GHOSTS * on_back as f64
 }

@@ -1,10 +1,11 @@
 use serde::{Deserialize, Serialize};
 
+use super::back::Back;
+use super::grain;
 use super::line::find_on_line;
-use super::select::{Fitting, Selection, select};
+use super::select::{Fitting, Look, Selection, select};
 use super::uncertainty::{Noise, noise};
 use super::{CommonSigma, Meeting, MeetingError, Setup, calibration_sigmas, meet};
-use super::{back, grain};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World};
 use crate::optics::{TotalReflection, TraceProblem};
@@ -217,7 +218,6 @@ pub fn find_object(setup: &Setup, spots: &[Spots], settings: &ObjectSettings) ->
         None => first,
     };
     let mut choices = choose(setup, judged);
-    back::refuse(setup, &mut choices);
     insist(&candidates, spots, &mut choices);
     count_grain(setup, spots, &mut choices);
     choices
@@ -270,7 +270,7 @@ fn count_grain(setup: &Setup, spots: &[Spots], choices: &mut [Choice]) {
 struct Candidate {
     spot: usize,
     pixel: Pixel,
-    brightness: f64,
+    look: Look,
     outcome: Result<(Meeting, Noise), Refusal>,
 }
 
@@ -286,10 +286,22 @@ fn candidates(
     free.map(|(index, spot)| Candidate {
         spot: index,
         pixel: spot.pixel(),
-        brightness: spot.brightness,
+        look: look(spot),
         outcome: examine(setup, &setup.stations[view], spot, settings),
     })
     .collect()
+}
+
+/// A spot's light, and its standard deviation over all directions alike.
+fn look(spot: &Spot) -> Look {
+    // Light of a single pixel has no width.
+    const LEAST: f64 = 0.1;
+    let [uu, uv, vv] = spot.shape;
+    let area = (uu * vv - uv * uv).max(0.0).sqrt();
+    Look {
+        brightness: spot.brightness,
+        width: area.sqrt().max(LEAST),
+    }
 }
 
 /// The point that a spot would make, were it the object's.
@@ -326,17 +338,30 @@ fn expected_gaps(setup: &Setup, candidates: &[Vec<Candidate>]) -> Vec<f64> {
 }
 
 /// A view's spots, held against their ray distances.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Judged {
     fitting: Vec<Fitting>,
     refused: Vec<(usize, Refusal)>,
+}
+
+impl Judged {
+    /// Refuses what lies on the vessel's back.
+    fn refuse_on(&mut self, back: &Back, beam: Option<&Ray<World>>) {
+        let refused = &mut self.refused;
+        self.fitting.retain(|spot| {
+            let refusal = beam.and_then(|beam| back.refuse(&spot.point.meeting, beam));
+            let is_free = refusal.is_none();
+            refused.extend(refusal.map(|refusal| (spot.point.spot, refusal)));
+            is_free
+        });
+    }
 }
 
 /// The spread of the ray distances about zero that the views themselves show, as a standard deviation;
 /// `None` for too few views to tell. A view speaks by its likeliest spot: the brighter and the nearer.
 fn observed_gap(views: &[Judged]) -> Option<f64> {
     const LEAST_VIEWS: usize = 8;
-    let likelihood = |spot: &Fitting| libm::log(spot.brightness) - 0.5 * spot.gap * spot.gap;
+    let likelihood = |spot: &Fitting| libm::log(spot.look.brightness) - 0.5 * spot.gap * spot.gap;
     let likeliest = |view: &Judged| {
         let spots = view.fitting.iter();
         let best = spots.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))?;
@@ -377,26 +402,48 @@ fn judge(
             meeting,
             noise,
         },
-        brightness: candidate.brightness,
+        look: candidate.look,
         gap: distance / sigma,
     })
 }
 
-/// Chooses among the spots that pass by their ray distances.
+/// Chooses among the spots that pass by their ray distances: among all, and, where the likeliest show the
+/// vessel's back, among those that do not lie on it.
 fn choose(setup: &Setup, judged: Vec<Judged>) -> Vec<Choice> {
+    let beams: Vec<Option<Ray<World>>> = setup.stations.iter().map(|s| beam(setup, s)).collect();
+    let selections = selected(&judged, &beams);
+    let likeliest = |((view, selection), beam): ((&Judged, &Selection), &Option<Ray<World>>)| {
+        let spot = &view.fitting[selection.likeliest()?];
+        Some((spot.point.meeting, (*beam)?))
+    };
+    let views = judged.iter().zip(&selections).zip(&beams);
+    let likeliest: Vec<(Meeting, Ray<World>)> = views.filter_map(likeliest).collect();
+    if let Some(back) = Back::find(&setup.vessel.wall, &likeliest) {
+        let mut before_it = judged.clone();
+        for (view, beam) in before_it.iter_mut().zip(&beams) {
+            view.refuse_on(&back, beam.as_ref());
+        }
+        let selections = selected(&before_it, &beams);
+        if back.is_behind(selections.iter().filter(|s| s.chosen.is_some()).count()) {
+            return choices(before_it, &selections);
+        }
+    }
+    choices(judged, &selections)
+}
+
+fn selected(judged: &[Judged], beams: &[Option<Ray<World>>]) -> Vec<Selection> {
     let strays = judged.iter().flat_map(|view| &view.refused);
     let strays = strays
         .filter(|(_, refusal)| refusal.tells_of_ghosts())
         .count();
-    let (fitting, refused): (Vec<_>, Vec<_>) = judged
-        .into_iter()
-        .map(|view| (view.fitting, view.refused))
-        .unzip();
-    let beams: Vec<Option<Ray<World>>> = setup.stations.iter().map(|s| beam(setup, s)).collect();
-    let selections = select(&fitting, &beams, strays);
-    let views = fitting.into_iter().zip(refused).zip(selections);
+    let fitting: Vec<&[Fitting]> = judged.iter().map(|view| &view.fitting[..]).collect();
+    select(&fitting, beams, strays)
+}
+
+fn choices(judged: Vec<Judged>, selections: &[Selection]) -> Vec<Choice> {
+    let views = judged.into_iter().zip(selections);
     views
-        .map(|((fitting, refused), selection)| chosen(fitting, refused, &selection))
+        .map(|(view, selection)| chosen(view.fitting, view.refused, selection))
         .collect()
 }
 

@@ -2,52 +2,64 @@
 //!
 //! A line of sight meets the refracted sheet where one of its rays crosses it, so there is a point for
 //! every point of the line, and no ray distance that would tell a false one. What tells it is the place
-//! (behind the wall) and the company: on each ray of the sheet only one point is the object's, and that is
-//! taken from the curve with the most light.
+//! (behind the wall), the surface that the other views make ([`super::arcs`]) and the company: on each ray of
+//! the sheet only one point is the object's, and that is taken from the curve with the most light.
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
+use super::arcs::{self, Arc, Sample};
 use super::choice::{Choice, ObjectPoint, ObjectSettings, Refusal};
 use super::fan::Fan;
+use super::neighbours::Place;
+use super::select::{Evidence, Look};
 use super::uncertainty::{Noise, PIXEL_STEP, Slope, WALL_STEP};
 use super::{Meeting, MeetingError, Setup, line_of_sight};
 use crate::camera::Pixel;
 use crate::geometry::{Ray, World, closest_approach};
 use crate::optics::Stack;
-use crate::rig::Sheet;
+use crate::rig::{Profiles, Sheet};
 use crate::robust::{median, sort_by_number};
 use crate::scan::{InsideMedium, Station};
 use crate::spots::{Line, Spot, SpotRole, Spots};
 use crate::vessel::NoRoom;
 
 /// Finds each view's object points among the line's points that are not the wall's.
-pub(super) fn find_on_line(
-    setup: &Setup,
-    sheet: &Sheet,
-    spots: &[Spots],
+pub(super) fn find_on_line<'a>(
+    setup: &'a Setup,
+    sheet: &'a Sheet,
+    spots: &'a [Spots],
     settings: &ObjectSettings,
 ) -> Vec<Choice> {
     let liquid = Walls::new(setup, InsideMedium::Liquid);
     let air = Walls::new(setup, InsideMedium::Air);
-    let of_view = |(view, spots): (usize, &Spots)| {
+    let seen = |(view, spots): (usize, &'a Spots)| {
         let station = &setup.stations[view];
         let walls = match station.inside {
             InsideMedium::Liquid => &liquid,
             InsideMedium::Air => &air,
         };
-        let (Some(line), Ok(walls)) = (&spots.line, walls) else {
-            return Choice::default();
-        };
         let light = Light {
             setup,
             station,
             sheet,
-            walls,
+            walls: walls.as_ref().ok()?,
         };
         let on_wall = setup.vessel.points[view].iter().map(|p| p.spot);
-        choose(&light, line, spots, on_wall, settings)
+        View::new(light, spots, on_wall, settings)
     };
-    spots.iter().enumerate().map(of_view).collect()
+    let views: Vec<Option<View>> = spots.iter().enumerate().map(seen).collect();
+    let arcs: Vec<Vec<Arc>> = views.iter().map(|view| arcs_of(view.as_ref())).collect();
+    let evidence = arcs::judge(&arcs);
+    let views = views.into_iter().zip(&arcs).zip(&evidence);
+    views
+        .map(|((view, arcs), evidence)| {
+            view.map_or_else(Choice::default, |view| view.choose(arcs, evidence))
+        })
+        .collect()
+}
+
+fn arcs_of(view: Option<&View>) -> Vec<Arc> {
+    view.map_or_else(Vec::new, View::arcs)
 }
 
 /// The wall, and the wall with each of its parameters a little more and a little less.
@@ -84,52 +96,142 @@ struct Candidate {
     meeting: Meeting,
 }
 
-fn choose(
-    light: &Light,
-    line: &Line,
-    of_view: &Spots,
-    on_wall: impl Iterator<Item = usize>,
-    settings: &ObjectSettings,
-) -> Choice {
-    let spots = of_view.spots.as_slice();
-    let may_be = |spot: usize| of_view.may_be(spot, SpotRole::Object);
-    let mut taken: Vec<bool> = (0..spots.len()).map(|spot| !may_be(spot)).collect();
-    on_wall.for_each(|spot| taken[spot] = true);
-    let mut refused = Vec::new();
-    let mut candidates = Vec::new();
-    for (index, curve) in line.curves.iter().enumerate() {
-        for spot in curve.range().filter(|spot| !taken[*spot]) {
-            match light.examine(spots[spot].pixel(), settings) {
-                Ok((angle, meeting)) => candidates.push(Candidate {
-                    spot,
-                    curve: index,
-                    said: of_view.said_of(spot).is_some(),
-                    angle,
-                    meeting,
-                }),
-                Err(refusal) => refused.push((spot, refusal)),
+/// A view, and what of its line may be the object's.
+struct View<'a> {
+    light: Light<'a>,
+    line: &'a Line,
+    spots: &'a [Spot],
+    candidates: Vec<Candidate>,
+    refused: Vec<(usize, Refusal)>,
+}
+
+impl<'a> View<'a> {
+    fn new(
+        light: Light<'a>,
+        of_view: &'a Spots,
+        on_wall: impl Iterator<Item = usize>,
+        settings: &ObjectSettings,
+    ) -> Option<Self> {
+        let line = of_view.line.as_ref()?;
+        let spots = of_view.spots.as_slice();
+        let may_be = |spot: usize| of_view.may_be(spot, SpotRole::Object);
+        let mut taken: Vec<bool> = (0..spots.len()).map(|spot| !may_be(spot)).collect();
+        on_wall.for_each(|spot| taken[spot] = true);
+        let mut refused = Vec::new();
+        let mut candidates = Vec::new();
+        for (index, curve) in line.curves.iter().enumerate() {
+            for spot in curve.range().filter(|spot| !taken[*spot]) {
+                match light.examine(spots[spot].pixel(), settings) {
+                    Ok((angle, meeting)) => candidates.push(Candidate {
+                        spot,
+                        curve: index,
+                        said: of_view.said_of(spot).is_some(),
+                        angle,
+                        meeting,
+                    }),
+                    Err(refusal) => refused.push((spot, refusal)),
+                }
             }
         }
+        Some(Self {
+            light,
+            line,
+            spots,
+            candidates,
+            refused,
+        })
     }
-    let outdone = outdone(&candidates, line, spots);
-    let mut points = Vec::new();
-    let mut wall_part = WallPart::default();
-    for (candidate, outdone) in candidates.iter().zip(outdone) {
-        if outdone {
-            refused.push((candidate.spot, Refusal::Outdone(None)));
-            continue;
-        }
-        match light.noise(candidate, &spots[candidate.spot], line, &mut wall_part) {
-            Ok(noise) => points.push(ObjectPoint {
-                spot: candidate.spot,
-                meeting: candidate.meeting,
-                noise,
-            }),
-            Err(error) => refused.push((candidate.spot, Refusal::NoMeeting(error))),
+
+    /// The candidates' curves.
+    fn arcs(&self) -> Vec<Arc> {
+        let curves = self.candidates.chunk_by(|a, b| a.curve == b.curve);
+        curves.map(|candidates| self.arc(candidates)).collect()
+    }
+
+    fn arc(&self, candidates: &[Candidate]) -> Arc {
+        /// Light of a single pixel has no width.
+        const LEAST_WIDTH: f64 = 0.1;
+        let of = |number: &dyn Fn(&Spot) -> f64| {
+            median(
+                candidates
+                    .iter()
+                    .map(|c| number(&self.spots[c.spot]))
+                    .collect(),
+            )
+        };
+        let across = |spot: &Spot| match self.line.profiles {
+            Profiles::Rows => spot.shape[0],
+            Profiles::Columns => spot.shape[2],
+        };
+        let mut wall_part = WallPart::default();
+        let every = candidates.len().div_ceil(arcs::SAMPLES);
+        let sampled = candidates.iter().skip(every / 2).step_by(every);
+        Arc {
+            curve: candidates[0].curve,
+            look: Look {
+                brightness: of(&|spot| spot.brightness),
+                width: of(&|spot| across(spot).max(LEAST_WIDTH * LEAST_WIDTH).sqrt()),
+            },
+            samples: sampled
+                .filter_map(|candidate| self.sample(candidate, &mut wall_part))
+                .collect(),
         }
     }
-    refused.sort_by_key(|(spot, _)| *spot);
-    Choice { points, refused }
+
+    fn sample(&self, candidate: &Candidate, wall_part: &mut WallPart) -> Option<Sample> {
+        let light = &self.light;
+        let beam = light.ray(&light.walls.stack, candidate.angle).ok()?;
+        let noise = light.noise(candidate, &self.spots[candidate.spot], self.line, wall_part);
+        Some(Sample {
+            beam,
+            place: Place::new(&candidate.meeting, &noise.ok()?, &beam),
+        })
+    }
+
+    /// Chooses, given what speaks for each of the arcs.
+    fn choose(mut self, arcs: &[Arc], evidence: &[Evidence]) -> Choice {
+        let mut of_curve = vec![None; self.line.curves.len()];
+        for (arc, evidence) in arcs.iter().zip(evidence) {
+            of_curve[arc.curve] = Some(*evidence);
+        }
+        let alone = |candidate: &Candidate| {
+            let evidence: Evidence = of_curve[candidate.curve]?;
+            let refused = !candidate.said && arcs::is_ghost(&evidence);
+            refused.then(|| Refusal::Alone(evidence.neighbourhood()))
+        };
+        let refused = &mut self.refused;
+        self.candidates.retain(|candidate| {
+            let alone = alone(candidate);
+            let is_supported = alone.is_none();
+            refused.extend(alone.map(|refusal| (candidate.spot, refusal)));
+            is_supported
+        });
+        let outdone = outdone(&self.candidates, self.line, self.spots);
+        let mut points = Vec::new();
+        let mut wall_part = WallPart::default();
+        for (candidate, outdone) in self.candidates.iter().zip(outdone) {
+            let spot = &self.spots[candidate.spot];
+            if outdone {
+                self.refused.push((candidate.spot, Refusal::Outdone(None)));
+                continue;
+            }
+            match self.light.noise(candidate, spot, self.line, &mut wall_part) {
+                Ok(noise) => points.push(ObjectPoint {
+                    spot: candidate.spot,
+                    meeting: candidate.meeting,
+                    noise,
+                }),
+                Err(error) => self
+                    .refused
+                    .push((candidate.spot, Refusal::NoMeeting(error))),
+            }
+        }
+        self.refused.sort_by_key(|(spot, _)| *spot);
+        Choice {
+            points,
+            refused: self.refused,
+        }
+    }
 }
 
 /// Which candidates share their ray with one that a person says to be the object's, or with one of a curve

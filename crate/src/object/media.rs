@@ -29,6 +29,8 @@ const SIGNIFICANT: f64 = 12.0;
 const LEAST_VIEWS: usize = 8;
 /// No view speaks louder by its ray distance than this many standard deviations.
 const LOUDEST: f64 = 6.0;
+/// A forecast more uncertain than this fits either medium, mm.
+const VAGUEST: f64 = 10.0;
 /// Media whose indices differ by less bend light alike.
 const ALIKE: f64 = 0.02;
 
@@ -230,7 +232,7 @@ impl Search {
         let forecasts: Vec<_> = views.map(|view| self.forecasts(view, &flipped)).collect();
         let places = self.readings.iter();
         let places: Vec<_> = places.map(|both| Some((*both)?[0].place)).collect();
-        usual_curvature(&forecasts, &places)
+        usual_curvature(&forecasts, &places, VAGUEST)
     }
 
     /// How a view agrees with its neighbours, with the views that are flipped in the other medium.
@@ -239,7 +241,7 @@ impl Search {
         let Some((reading, forecasts)) = reading.zip(self.forecasts(view, flipped)) else {
             return 0.0;
         };
-        let misfits = forecasts.hold(&reading.place, self.curvature);
+        let misfits = forecasts.hold(&reading.place, self.curvature, VAGUEST);
         misfits.iter().map(Misfit::agreement).sum()
     }
 

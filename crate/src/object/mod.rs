@@ -1,6 +1,7 @@
 //! The object's surface: both light paths traced through the wall, their midpoint, the ray distance,
 //! standard deviations, and which of several spots is real (section II-D of the paper).
 
+mod arcs;
 mod back;
 mod choice;
 mod fan;

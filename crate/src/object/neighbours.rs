@@ -27,6 +27,8 @@ pub(super) struct Place {
     pub(super) point: Point<World>,
     /// One standard deviation of its depth along the beam, mm.
     pub(super) sigma: f64,
+    /// The probability that the object is there.
+    pub(super) trust: f64,
 }
 
 impl Place {
@@ -36,7 +38,13 @@ impl Place {
         Self {
             point: meeting.point(),
             sigma: variance.sqrt(),
+            trust: 1.0,
         }
+    }
+
+    /// A place that is the object's with that probability only.
+    pub(super) fn trusted(self, trust: f64) -> Self {
+        Self { trust, ..self }
     }
 }
 
@@ -47,6 +55,8 @@ pub(super) struct Misfit {
     pub(super) off: f64,
     /// One standard deviation of that, mm.
     pub(super) sigma: f64,
+    /// The probability that those who foretell it lie on the object themselves.
+    pub(super) trust: f64,
 }
 
 impl Misfit {
@@ -56,7 +66,8 @@ impl Misfit {
     /// The object is where the forecast says, but for an edge between; and there were a few forecasts to
     /// choose from.
     pub(super) fn favour(&self) -> f64 {
-        libm::log(EDGE + (1.0 - EDGE) * self.likelihood())
+        let trust = (1.0 - EDGE) * self.trust;
+        libm::log(1.0 - trust + trust * self.likelihood())
     }
 
     /// How much likelier the place is where the forecast holds than as a ghost's, which lies anywhere.
@@ -93,8 +104,6 @@ const AXES: usize = 4;
 const EACH_SIDE: usize = 3;
 /// No surface is as smooth as its points are exact: texture, mm.
 const TEXTURE: f64 = 0.15;
-/// A foretold depth that is more uncertain than this says nothing, mm.
-const USELESS: f64 = 10.0;
 /// Faces steeper than this against the beam are hardly lit.
 const STEEPEST: f64 = 4.0;
 
@@ -104,6 +113,8 @@ struct Forecast {
     depth: f64,
     /// Variance from the neighbours' own, and from their line's passing beside the beam, mm^2.
     variance: f64,
+    /// The probability that the neighbours lie on the object.
+    trust: f64,
     /// What the error of the chord is for a curvature of 1 / mm, mm.
     chord: f64,
 }
@@ -116,6 +127,7 @@ struct Beside {
     square: f64,
     depth: f64,
     sigma: f64,
+    trust: f64,
 }
 
 /// What a view's neighbours foretell for it, by the axis across the beam along which they lie.
@@ -134,17 +146,19 @@ impl Forecasts {
         }
     }
 
-    /// How a place agrees with the forecast of each axis that suits it best.
-    pub(super) fn hold(&self, place: &Place, curvature: f64) -> Vec<Misfit> {
+    /// How a place agrees with the forecast of each axis that suits it best. Forecasts more uncertain than
+    /// `vaguest`, mm, are left out.
+    pub(super) fn hold(&self, place: &Place, curvature: f64, vaguest: f64) -> Vec<Misfit> {
         let depth = (place.point - self.beam.origin).dot(&self.beam.direction.vector());
         let own = place.sigma * place.sigma + TEXTURE * TEXTURE;
         let of_axis = |forecasts: &Vec<Forecast>| {
             let misfits = forecasts.iter().filter_map(|forecast| {
                 let bend = curvature * forecast.chord;
                 let sigma = (own + forecast.variance + bend * bend).sqrt();
-                (sigma < USELESS).then_some(Misfit {
+                (sigma < vaguest).then_some(Misfit {
                     off: depth - forecast.depth,
                     sigma,
+                    trust: forecast.trust,
                 })
             });
             misfits.max_by(|a, b| a.favour().total_cmp(&b.favour()))
@@ -233,22 +247,26 @@ fn side(x: f64, y: f64) -> usize {
 }
 
 /// What the misfits along several axes say together: either every axis speaks for itself, or the place is at
-/// an edge or on the object's outline, where one of them is right and the others say nothing.
+/// an edge or on the object's outline, where one of them is right and the others say nothing. Where nobody
+/// foretells anything, nothing speaks for a place nor against it.
 pub(super) fn together(misfits: &[Misfit]) -> f64 {
-    /// Few points of an object have no neighbours that foretell them.
-    const NOBODY: f64 = -2.5;
     /// How many points of an object lie beside an edge.
     const BESIDE_EDGE: f64 = 0.3;
     if misfits.is_empty() {
-        return NOBODY;
+        return 0.0;
     }
     let all: f64 = misfits.iter().map(Misfit::favour).sum();
-    let one = misfits.iter().map(Misfit::likelihood).sum::<f64>() / misfits.len() as f64;
+    let right = |misfit: &Misfit| 1.0 - misfit.trust + misfit.trust * misfit.likelihood();
+    let one = misfits.iter().map(right).sum::<f64>() / misfits.len() as f64;
     libm::log((1.0 - BESIDE_EDGE) * libm::exp(all) + BESIDE_EDGE * one)
 }
 
 /// The curvature under which the places that were chosen agree best with each other, 1/mm.
-pub(super) fn usual_curvature(forecasts: &[Option<Forecasts>], places: &[Option<Place>]) -> f64 {
+pub(super) fn usual_curvature(
+    forecasts: &[Option<Forecasts>],
+    places: &[Option<Place>],
+    vaguest: f64,
+) -> f64 {
     /// From 5 m to 20 mm of radius, in doubles.
     const FLATTEST: f64 = 2e-4;
     const DOUBLES: i32 = 9;
@@ -256,9 +274,11 @@ pub(super) fn usual_curvature(forecasts: &[Option<Forecasts>], places: &[Option<
         let views = forecasts.iter().zip(places);
         views
             .filter_map(|(forecasts, place)| {
-                Some(together(
-                    &forecasts.as_ref()?.hold(place.as_ref()?, curvature),
-                ))
+                Some(together(&forecasts.as_ref()?.hold(
+                    place.as_ref()?,
+                    curvature,
+                    vaguest,
+                )))
             })
             .sum()
     };
@@ -278,6 +298,7 @@ fn seen_along(beam: &Ray<World>, place: Place) -> Beside {
         square: across.norm_squared(),
         depth,
         sigma: place.sigma,
+        trust: place.trust,
     }
 }
 
@@ -291,6 +312,7 @@ fn forecasts(beside: &[Beside]) -> Vec<Forecast> {
         Forecast {
             depth: neighbour.depth,
             variance: neighbour.sigma * neighbour.sigma + rise * rise,
+            trust: neighbour.trust,
             chord: 0.0,
         }
     });
@@ -323,6 +345,7 @@ fn forecast(a: &Beside, b: &Beside) -> Option<Forecast> {
         depth: wa * a.depth + wb * b.depth,
         // Across its line the surface may rise as it does along it.
         variance: noise(wa, a.sigma) + noise(wb, b.sigma) + (0.5 * beside) * (0.5 * beside),
+        trust: a.trust * b.trust,
         chord: 0.5 * (sa * sb).abs() * steep * steep * steep,
     })
 }

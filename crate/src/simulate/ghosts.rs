@@ -12,8 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{Landing, SceneError, Simulation, noise, rotation_from_degrees, shapes};
 use crate::camera::Pixel;
-use crate::geometry::{Direction, Plane, Point, Ray, World};
+use crate::geometry::{Camera, Direction, Plane, Point, Ray, World};
 use crate::optics::Surface;
+use crate::rig::Laser;
 use crate::scan::VesselShape;
 
 /// The false spots of a scene.
@@ -32,9 +33,12 @@ pub struct Ghosts {
     pub span: [f64; 2],
     /// How far the other spots lie from a true one at most, px.
     pub reach: f64,
+    /// Their least and greatest width over that of the lens's blur; a spot is some 1.3 wide. Light that a
+    /// curved wall has mirrored is out of focus.
+    pub width: [f64; 2],
     /// How likely the object's own spot is missing in such a view (a scratch, a drop on the glass), 0 to 1.
     pub hides: f64,
-    /// Which part of the object's light is seen in each mirror, 0 to 1.
+    /// Which part of the light of the object's spot is seen in each mirror, 0 to 1.
     pub mirrored: f64,
 }
 
@@ -47,10 +51,18 @@ impl Default for Ghosts {
             on_line: 0.5,
             span: [60.0, 180.0],
             reach: 40.0,
+            width: [USUAL_WIDTH; 2],
             hides: 0.0,
             mirrored: 0.0,
         }
     }
+}
+
+/// How much wider than the lens's blur a spot is.
+const USUAL_WIDTH: f64 = 1.3;
+
+const fn usual_width() -> f64 {
+    USUAL_WIDTH
 }
 
 /// Where a false spot comes from.
@@ -67,13 +79,16 @@ pub enum GhostKind {
     InSide,
 }
 
-/// A false spot.
+/// A false spot, or a false line of a line laser.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ghost {
-    /// Where it is seen, px.
+    /// Where it is seen, px; of a line, where its middle is.
     pub pixel: [f64; 2],
-    /// Its light: grey values summed over its pixels.
+    /// Its light: grey values summed over its pixels; of a line, over a profile across it.
     pub light: f64,
+    /// How much wider than the lens's blur it is.
+    #[serde(default = "usual_width")]
+    pub width: f64,
     /// Where it comes from.
     pub kind: GhostKind,
 }
@@ -102,6 +117,12 @@ impl Ghosts {
         if self.most == 0 {
             return wrong("ghosts.most", "must be greater than 0");
         }
+        if !(0.0 < self.width[0] && self.width[0] <= self.width[1]) {
+            return wrong(
+                "ghosts.width",
+                "must be two numbers greater than 0, the less first",
+            );
+        }
         if !(self.reach > 0.0 && self.span.iter().all(|way| *way > 0.0)) {
             return wrong("ghosts.span and ghosts.reach", "must be greater than 0");
         }
@@ -110,82 +131,176 @@ impl Ghosts {
 }
 
 /// What is wrong in a view's light.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FalseLight {
-    /// The false spots.
-    pub(super) spots: Vec<Ghost>,
+    /// What stands for reflections of unknown cause.
+    pub(super) invented: Vec<Invented>,
+    /// The object's spot in mirrors.
+    mirrored: Vec<Ghost>,
     /// Whether the object's own spot is missing.
     pub(super) object_hidden: bool,
+}
+
+/// False light whose cause is outside the scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Invented {
+    /// Where it is seen, for the laser's axis.
+    pub(super) ghost: Ghost,
+    source: Source,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    /// On each of the laser's rays that far before the wall (negative) or behind its inner face, mm.
+    Along(f64),
+    /// Beside the light on the wall or, if `of_object`, on the object; px.
+    Beside { of_object: bool, by: [f64; 2] },
+}
+
+impl FalseLight {
+    /// All that is seen of it in the picture.
+    pub(super) fn spots(&self, simulation: &Simulation) -> Vec<Ghost> {
+        let invented = self.invented.iter().map(|invented| invented.ghost);
+        let all = invented.chain(self.mirrored.iter().copied());
+        all.filter(|ghost| simulation.in_picture(ghost.pixel))
+            .collect()
+    }
 }
 
 /// The false light of a view; the same whenever it is asked for.
 pub(super) fn of(simulation: &Simulation, view: usize) -> FalseLight {
     let ghosts = &simulation.scene.ghosts;
-    let landing = simulation.landing(view, &simulation.scan.rig.laser.axis());
-    // A stream of its own, so that the pictures' noise is that of the same scene without ghosts.
-    let mut random = ChaCha8Rng::seed_from_u64(noise::seed(simulation.scene.seed, view, true));
-    random.set_stream(1);
+    let axis = simulation.scan.rig.laser.axis();
+    let landing = simulation.landing(view, &axis);
+    let mut random = Dice::of(simulation, view);
     let mut light = FalseLight::default();
-    if random.random_bool(ghosts.probability) {
-        light.object_hidden = random.random_bool(ghosts.hides);
-        for _ in 0..random.random_range(1..=ghosts.most) {
-            light
-                .spots
-                .extend(invented(simulation, view, &landing, &mut random));
+    if random.places.random_bool(ghosts.probability) {
+        light.object_hidden = random.places.random_bool(ghosts.hides);
+        for _ in 0..random.places.random_range(1..=ghosts.most) {
+            let invented = Invented::new(simulation, view, &axis, &landing, &mut random);
+            light.invented.extend(invented);
         }
     }
-    if !light.object_hidden {
-        light
-            .spots
-            .extend(mirror_images(simulation, view, &landing));
+    let is_spot = matches!(simulation.scan.rig.laser, Laser::Beam(_));
+    if is_spot && !light.object_hidden {
+        light.mirrored = mirror_images(simulation, view, &landing);
     }
-    light
-        .spots
-        .retain(|ghost| simulation.in_picture(ghost.pixel));
     light
 }
 
-fn invented(
+/// Streams of their own, so that the pictures' noise is that of the same scene without ghosts, and ghosts
+/// are where they are whatever their width.
+struct Dice {
+    places: ChaCha8Rng,
+    widths: ChaCha8Rng,
+}
+
+impl Dice {
+    fn of(simulation: &Simulation, view: usize) -> Self {
+        let stream = |number: u64| {
+            let seed = noise::seed(simulation.scene.seed, view, true);
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            random.set_stream(number);
+            random
+        };
+        Self {
+            places: stream(1),
+            widths: stream(3),
+        }
+    }
+}
+
+impl Invented {
+    fn new(
+        simulation: &Simulation,
+        view: usize,
+        axis: &Ray<Camera>,
+        landing: &Landing,
+        random: &mut Dice,
+    ) -> Option<Self> {
+        let ghosts = &simulation.scene.ghosts;
+        let [least, most] = ghosts.width;
+        let width = random.widths.random_range(least..=most);
+        let random = &mut random.places;
+        let light = random.random_range(ghosts.light[0]..ghosts.light[1]);
+        let on_line = random.random_bool(ghosts.on_line);
+        let (kind, source) = if on_line {
+            let along = random.random_range(-ghosts.span[0]..ghosts.span[1]);
+            (GhostKind::OnLine, Source::Along(along))
+        } else {
+            let of_object = random.random_range(0..2) == 1 && landing.object.is_some();
+            beside(simulation, view, landing, of_object)?;
+            let (turn, part): (f64, f64) =
+                (random.random_range(0.0..1.0), random.random_range(0.0..1.0));
+            let (sine, cosine) = libm::sincos(std::f64::consts::TAU * turn);
+            // The root makes every place in the circle as likely.
+            let way = ghosts.reach * part.sqrt();
+            let by = [way * cosine, way * sine];
+            (GhostKind::NearSpot, Source::Beside { of_object, by })
+        };
+        let pixel = source.seen(simulation, view, axis, landing)?;
+        Some(Self {
+            ghost: Ghost {
+                pixel: [pixel.u, pixel.v],
+                light,
+                width,
+                kind,
+            },
+            source,
+        })
+    }
+
+    /// Where it is seen for one of the laser's rays, which lands there.
+    pub(super) fn seen(
+        &self,
+        simulation: &Simulation,
+        view: usize,
+        ray: &Ray<Camera>,
+        landing: &Landing,
+    ) -> Option<Pixel> {
+        self.source.seen(simulation, view, ray, landing)
+    }
+}
+
+impl Source {
+    fn seen(
+        &self,
+        simulation: &Simulation,
+        view: usize,
+        ray: &Ray<Camera>,
+        landing: &Landing,
+    ) -> Option<Pixel> {
+        match self {
+            Self::Along(along) => on_ray(simulation, view, ray, *along),
+            Self::Beside { of_object, by } => {
+                let near = beside(simulation, view, landing, *of_object)?;
+                Some(Pixel::new(near.u + by[0], near.v + by[1]))
+            }
+        }
+    }
+}
+
+/// Where the true light is seen beside which there is a false one.
+fn beside(
     simulation: &Simulation,
     view: usize,
     landing: &Landing,
-    random: &mut ChaCha8Rng,
-) -> Option<Ghost> {
-    let ghosts = &simulation.scene.ghosts;
-    let light = random.random_range(ghosts.light[0]..ghosts.light[1]);
-    let on_line = random.random_bool(ghosts.on_line);
-    let (kind, pixel) = if on_line {
-        let along = random.random_range(-ghosts.span[0]..ghosts.span[1]);
-        (GhostKind::OnLine, on_beam(simulation, view, along)?)
-    } else {
-        let truth = [
-            landing.faces.first().map(|p| (*p, 0)),
-            landing.object.map(|p| (p, simulation.faces())),
-        ];
-        let (point, faces) = truth[random.random_range(0..2)].or(truth[0])?;
-        let near = simulation.seen(view, point, faces)?;
-        let (turn, part): (f64, f64) =
-            (random.random_range(0.0..1.0), random.random_range(0.0..1.0));
-        let (sine, cosine) = libm::sincos(std::f64::consts::TAU * turn);
-        // The root makes every place in the circle as likely.
-        let way = ghosts.reach * part.sqrt();
-        let pixel = Pixel::new(near.u + way * cosine, near.v + way * sine);
-        (GhostKind::NearSpot, pixel)
-    };
-    Some(Ghost {
-        pixel: [pixel.u, pixel.v],
-        light,
-        kind,
-    })
+    of_object: bool,
+) -> Option<Pixel> {
+    match of_object {
+        true => simulation.seen(view, landing.object?, simulation.faces()),
+        false => simulation.seen(view, landing.outer()?, 0),
+    }
 }
 
-/// The image of a place on the beam: `along` mm before the wall (negative) or behind its inner face.
-fn on_beam(simulation: &Simulation, view: usize, along: f64) -> Option<Pixel> {
-    let beam = simulation.beam(view);
-    let path = simulation.stack(view).path(&beam).ok()?;
+/// The image of a place on a ray of the laser: `along` mm before the wall (negative) or behind its inner
+/// face.
+fn on_ray(simulation: &Simulation, view: usize, ray: &Ray<Camera>, along: f64) -> Option<Pixel> {
+    let ray = simulation.scan.stations[view].world_from_camera.ray(ray);
+    let path = simulation.stack(view).path(&ray).ok()?;
     if along < 0.0 {
         let outer = path.vertices.get(1)?;
-        return simulation.image(view, *outer + beam.direction * along, 0);
+        return simulation.image(view, *outer + ray.direction * along, 0);
     }
     simulation.image(view, path.last.at(along), 2)
 }
@@ -204,6 +319,7 @@ fn mirror_images(simulation: &Simulation, view: usize, landing: &Landing) -> Vec
             Some(Ghost {
                 pixel: [pixel.u, pixel.v],
                 light,
+                width: USUAL_WIDTH,
                 kind,
             })
         });

@@ -29,6 +29,7 @@ use crate::optics::{Media, Stack, aim_through};
 use crate::rig::{Laser, Rig, Sheet};
 use crate::scan::{InsideMedium, Manifest, Motion, PicturePair, PoseEntry, Scan, ViewEntry};
 use crate::vessel::Wall;
+use ghosts::FalseLight;
 use noise::Grains;
 
 /// A scene ready to be photographed.
@@ -40,9 +41,6 @@ pub struct Simulation {
     media: Media,
     solids: Vec<Solid>,
 }
-
-/// How much wider than the lens's blur a ghost is: about as wide as a spot.
-const GHOST_WIDTH: f64 = 1.3;
 
 /// Where the laser's light lands in a view.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -321,13 +319,10 @@ impl Simulation {
                 }
             }
         }
-        for ghost in &false_light.spots {
+        for ghost in &false_light.spots(self) {
             let [u, v] = ghost.pixel;
-            exposure.add_spot(
-                Pixel::new(u, v),
-                GHOST_WIDTH * self.scene.beam.blur,
-                ghost.light,
-            );
+            let width = ghost.width * self.scene.beam.blur;
+            exposure.add_spot(Pixel::new(u, v), width, ghost.light);
         }
     }
 
@@ -336,50 +331,68 @@ impl Simulation {
         /// Rays that land farther apart, px, are on different surfaces.
         const CONNECTED: f64 = 4.0;
         let fan = self.scene.beam.fan(sheet, &self.scan.rig.camera);
-        let brightness = &self.scene.brightness;
-        let lights = [
-            brightness.outer_face,
-            brightness.inner_face,
-            brightness.far_face,
-            brightness.far_face,
-            brightness.object,
-            brightness.back,
-        ];
-        let mut before = vec![[None; 6]; fan.first().map_or(0, Vec::len)];
+        let false_light = ghosts::of(self, view);
+        let mut before: Vec<Vec<Glow>> = vec![Vec::new(); fan.first().map_or(0, Vec::len)];
         for rays in &fan {
             for ((ray, share), before) in rays.iter().zip(&mut before) {
-                let pixels = self.glows(view, ray);
-                let steps = pixels.iter().zip(*before).zip(lights);
-                for ((pixel, before), light) in steps {
-                    let Some((pixel, before)) = pixel.zip(before) else {
+                let glows = self.glows(view, ray, &false_light);
+                for (glow, before) in glows.iter().zip(&*before) {
+                    let Some((pixel, before)) = glow.pixel.zip(before.pixel) else {
                         continue;
                     };
                     let way = pixel.distance(before);
                     if way < CONNECTED {
-                        exposure.add_spot(pixel, self.scene.beam.blur, share * light * way);
+                        exposure.add_spot(pixel, glow.width, share * glow.light * way);
                     }
                 }
-                *before = pixels;
+                *before = glows;
             }
         }
     }
 
-    /// Where the camera sees a ray's light on the faces of the wall and of the far wall, on the object and
-    /// on the vessel's back.
-    fn glows(&self, view: usize, ray: &Ray<Camera>) -> [Option<Pixel>; 6] {
+    /// What the camera sees of a ray's light: on the faces of the wall and of the far wall, on the object
+    /// and on the vessel's back, and what is false.
+    fn glows(&self, view: usize, ray: &Ray<Camera>, false_light: &FalseLight) -> Vec<Glow> {
         let landing = self.landing(view, ray);
-        let face = |face: usize| (landing.faces.get(face).copied(), face);
-        let back = landing.back.filter(|_| self.scene.brightness.back > 0.0);
+        let brightness = &self.scene.brightness;
+        let blur = self.scene.beam.blur;
+        let face = |face: usize, light: f64| (landing.faces.get(face).copied(), face, light);
+        let on_object = match false_light.object_hidden {
+            true => 0.0,
+            false => brightness.object,
+        };
         let places = [
-            face(0),
-            face(1),
-            face(2),
-            face(3),
-            (landing.object, self.faces()),
-            (back, self.faces()),
+            face(0, brightness.outer_face),
+            face(1, brightness.inner_face),
+            face(2, brightness.far_face),
+            face(3, brightness.far_face),
+            (landing.object, self.faces(), on_object),
+            (landing.back, self.faces(), brightness.back),
         ];
-        places.map(|(point, faces)| self.seen(view, point?, faces))
+        let own = places.map(|(point, faces, light)| Glow {
+            pixel: point
+                .filter(|_| light > 0.0)
+                .and_then(|point| self.seen(view, point, faces)),
+            light,
+            width: blur,
+        });
+        let of_ghosts = false_light.invented.iter().map(|invented| Glow {
+            pixel: invented.seen(self, view, ray, &landing),
+            light: invented.ghost.light,
+            width: invented.ghost.width * blur,
+        });
+        own.into_iter().chain(of_ghosts).collect()
     }
+}
+
+/// What is seen of a ray's light in one place.
+#[derive(Clone, Copy)]
+struct Glow {
+    pixel: Option<Pixel>,
+    /// Grey values, summed over a profile across the line.
+    light: f64,
+    /// Standard deviation, px.
+    width: f64,
 }
 
 fn pose_entry<A: Frame, B: Frame>(pose: &Pose<A, B>) -> PoseEntry {

@@ -92,7 +92,7 @@ fn beam_truth(simulation: &Simulation, view: usize, beam: &Ray<Camera>) -> Truth
         object_pixel: OneOrMany::One(object.map(|(_, pixel)| pixel)),
         back: back.map(|(place, _)| place),
         back_pixel: back.map(|(_, pixel)| pixel),
-        ghosts: false_light.spots,
+        ghosts: false_light.spots(simulation),
     }
 }
 
@@ -102,13 +102,15 @@ fn sheet_truth(simulation: &Simulation, view: usize, sheet: &Sheet) -> TruthView
         .beam
         .fan(sheet, &simulation.scan.rig.camera);
     let middles = fan.iter().map(|rays| &rays[rays.len() / 2].0);
+    let false_light = ghosts::of(simulation, view);
+    let shown = |place: Option<Point<World>>| place.filter(|_| !false_light.object_hidden);
     let landings: Vec<_> = middles.map(|ray| simulation.landing(view, ray)).collect();
     let vessel = landings
         .iter()
         .map(|l| seen(simulation, view, l.outer(), 0));
     let object = landings
         .iter()
-        .map(|l| seen(simulation, view, l.object, simulation.faces()));
+        .map(|l| seen(simulation, view, shown(l.object), simulation.faces()));
     let (vessel, vessel_pixel) = vessel.flatten().unzip();
     let (object, object_pixel) = object.flatten().unzip();
     TruthView {
@@ -119,7 +121,7 @@ fn sheet_truth(simulation: &Simulation, view: usize, sheet: &Sheet) -> TruthView
         object_pixel: OneOrMany::Many(object_pixel),
         back: None,
         back_pixel: None,
-        ghosts: Vec::new(),
+        ghosts: false_light.spots(simulation),
     }
 }
 
