@@ -343,6 +343,11 @@ fn a_known_angle_is_asked_for_and_tells_the_index() -> Result<()> {
         give(workbench, &parts)?;
         page.choose_option(&answer("shape"), "plane")?;
         page.choose_option(&answer("index-known"), "no")?;
+        // What lies below moves up then.
+        page.wait_until(
+            "the index to be asked for no more",
+            "!document.querySelector('[data-testid=answer-index-inside]')",
+        )?;
         page.click("[data-testid=part-known] summary")?;
         fill(page, "known-angle", "190")?;
         missing(

@@ -11,8 +11,9 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 
-/// What Trunk calls the programs that are fetched later, and what the page asks for.
-const FETCHED_LATER: [&str; 2] = ["snellius-worker", "snellius-lab"];
+/// What Trunk calls the programs that are fetched later and what the page asks for, and a style of their own.
+const FETCHED_LATER: [(&str, Option<&str>); 2] =
+    [("snellius-worker", None), ("snellius-lab", Some("lab.css"))];
 const SERVICE_WORKER: &str = "service-worker.js";
 /// What stands in the service worker for the list of files, and for the name of the build.
 const FILES_MARK: &str = "[/* files */]";
@@ -29,15 +30,17 @@ pub(crate) fn run() -> Result<()> {
 }
 
 fn finish(folder: &Path) -> Result<()> {
-    for program in FETCHED_LATER {
-        name_by_content(folder, program)?;
+    for (program, style) in FETCHED_LATER {
+        name_by_content(folder, program, style)?;
     }
     list_files(folder)
 }
 
 /// A new build has new file names: no browser mixes a page with programs of another build.
-fn name_by_content(folder: &Path, program: &str) -> Result<()> {
-    let parts = [".js", "_bg.wasm"].map(|end| (end, folder.join(format!("{program}{end}"))));
+fn name_by_content(folder: &Path, program: &str, style: Option<&str>) -> Result<()> {
+    let code = [".js", "_bg.wasm"].map(|end| (end, folder.join(format!("{program}{end}"))));
+    let style = style.map(|name| (".css", folder.join(name)));
+    let parts: Vec<_> = code.into_iter().chain(style).collect();
     let mut hasher = DefaultHasher::new();
     for (_, path) in &parts {
         read(path)?.hash(&mut hasher);
@@ -104,6 +107,7 @@ mod tests {
             ("snellius-worker_bg.wasm", code),
             ("snellius-lab.js", "script"),
             ("snellius-lab_bg.wasm", code),
+            ("lab.css", "style"),
             (
                 SERVICE_WORKER,
                 "const FILES = [/* files */], BUILD = \"/* build */\";",
@@ -130,10 +134,12 @@ mod tests {
         let (index, service) = finished("finish", "code");
         let names: Vec<_> = index.split('"').skip(1).step_by(2).collect();
         assert_eq!(names.len(), FETCHED_LATER.len());
-        for (name, program) in names.iter().zip(FETCHED_LATER) {
+        for (name, (program, style)) in names.iter().zip(FETCHED_LATER) {
             assert_eq!(name.len(), program.len() + "-0123456789abcdef".len());
-            let listed = format!("\"{name}_bg.wasm\"");
-            assert!(service.contains(&listed), "{service}");
+            let ends = ["_bg.wasm", ".js"].into_iter().chain(style.map(|_| ".css"));
+            for end in ends {
+                assert!(service.contains(&format!("\"{name}{end}\"")), "{service}");
+            }
         }
         assert!(!service.contains("samples"), "{service}");
         let (other, _) = finished("finish-other", "other code");
