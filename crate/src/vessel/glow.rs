@@ -110,7 +110,7 @@ pub struct Glows {
     pub thickness: Option<f64>,
 }
 
-/// Estimates the share from the vessel spots; `None` for too few of them.
+/// Estimates the share from the vessel spots; `None` for too few of them, or where numbers beyond all measure leave none.
 ///
 /// What width, lopsidedness and what is known beforehand say together of the share, whatever f is, is a
 /// distribution, of which mean and standard deviation are taken: near q = 1/2 the width hardly depends on
@@ -121,6 +121,9 @@ pub(super) fn estimate(spots: &[(&Spot, Faces)], thickness: f64) -> Option<Glows
         return None;
     }
     let (share, share_sigma) = share(spots);
+    if !share.is_finite() || !share_sigma.is_finite() {
+        return None;
+    }
     let excesses = |beam_part: f64| {
         let of_spot = |(spot, faces): &(&Spot, Faces)| {
             let own = faces.pair(spot, 0.0, beam_part).along;
