@@ -15,11 +15,8 @@ use crate::geometry::{Ray, World};
 const VAGUEST: f64 = 30.0;
 /// At so many points a curve is held against the others' surface.
 pub(super) const SAMPLES: usize = 12;
-/// So many of them share a fate: where a surface is foretold wrongly, it is for its neighbours, too.
-const ALIKE: f64 = 6.0;
-
 /// A sum of more than this takes a curve for the object's.
-const SURE: f64 = 2.5;
+const SURE: f64 = 2.0;
 
 /// Whether a curve is rather a ghost than the object's.
 pub(super) fn is_ghost(evidence: &Evidence) -> bool {
@@ -126,9 +123,10 @@ impl<'a> Scan<'a> {
             nearest[*arc] = nearer(nearest[*arc], misfits);
         }
         let evidence = |(index, arc): (usize, &&Arc)| {
+            // A curve's points share a fate, so that all together say no more than one.
             let (sum, count) = surface[index];
             Evidence {
-                favour: prior + looks.favour(&arc.look) + sum / f64::min(ALIKE, count).max(1.0),
+                favour: prior + looks.favour(&arc.look) + sum / f64::max(count, 1.0),
                 misfit: nearest[index],
             }
         };
