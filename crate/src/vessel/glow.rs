@@ -110,7 +110,8 @@ pub struct Glows {
     pub thickness: Option<f64>,
 }
 
-/// Estimates the share from the vessel spots; `None` for too few of them, or where numbers beyond all measure leave none.
+/// Estimates the share from the vessel spots; `None` for too few of them, or where numbers beyond all measure
+/// leave none.
 ///
 /// What width, lopsidedness and what is known beforehand say together of the share, whatever f is, is a
 /// distribution, of which mean and standard deviation are taken: near q = 1/2 the width hardly depends on
