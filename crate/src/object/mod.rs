@@ -11,6 +11,7 @@ mod media;
 mod meeting;
 mod neighbours;
 mod select;
+mod settle;
 mod uncertainty;
 
 pub use choice::{
@@ -18,6 +19,7 @@ pub use choice::{
 };
 pub use media::propose_media;
 pub use meeting::{Meeting, MeetingError, laser_ray, line_of_sight, meet, meet_unrefracted};
+pub use settle::settle_wall;
 pub use uncertainty::{CommonSigma, Noise, calibration_sigmas, index_sigmas, noise};
 
 use crate::optics::Media;

@@ -1,6 +1,6 @@
 //! First-order propagation: covariance of the point = J covariance J^T, with J by differences.
 
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DVector, Matrix2, Matrix3, Vector3};
 
 use super::{Meeting, MeetingError, Setup, laser_ray, line_of_sight, meet};
 use crate::camera::Pixel;
@@ -9,7 +9,7 @@ use crate::optics::{Media, Path, Stack};
 use crate::rig::{Calibration, Rig};
 use crate::scan::{InsideMedium, Station};
 use crate::spots::Spot;
-use crate::vessel::Wall;
+use crate::vessel::{Told, Wall};
 
 /// What the pictures' noise does to one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,20 +58,25 @@ impl Slope {
 pub(super) const PIXEL_STEP: f64 = 1e-3;
 pub(super) const WALL_STEP: f64 = 1e-5;
 
-/// Propagates the centroid's covariance and that of the wall's fit to a point.
-///
-/// `grain` is that of the laser's light, see [`Spot::covariance_with`]. Fails where a ray that is moved a
-/// little no longer gets through.
-pub fn noise(
+/// How the point that a pixel shows, and its gap, change with the pixel and with the wall.
+pub(super) struct Slopes {
+    by_pixel: [Slope; 2],
+    /// Those of the wall's parameters that matter: a free form has hundreds, of which those count that move it
+    /// near the two light paths.
+    movers: Vec<usize>,
+    by_wall: Vec<Slope>,
+}
+
+/// Fails where a ray that is moved a little no longer gets through.
+pub(super) fn slopes(
     setup: &Setup,
     station: &Station,
-    spot: &Spot,
-    grain: f64,
-) -> Result<Noise, MeetingError> {
+    pixel: Pixel,
+) -> Result<Slopes, MeetingError> {
     let wall = &setup.vessel.wall;
     let stack = wall.stack(&setup.media, station.inside)?;
     let seen = |du: f64, dv: f64| {
-        let pixel = Pixel::new(spot.u + du, spot.v + dv);
+        let pixel = Pixel::new(pixel.u + du, pixel.v + dv);
         meet(setup.rig, &station.world_from_camera, &stack, pixel)
     };
     let by_pixel = [
@@ -86,36 +91,101 @@ pub fn noise(
             PIXEL_STEP,
         ),
     ];
-    // A free form has hundreds of parameters; what matters are those near the two light paths.
     let movers = wall
         .outer
-        .movers(&crossings(setup, station, &stack, spot.pixel())?);
+        .movers(&crossings(setup, station, &stack, pixel)?);
     let through = |parameter: usize, step: f64| {
         let mut steps = DVector::zeros(wall.outer.freedom());
         steps[parameter] = step;
         let stack = wall.nudged(&steps).stack(&setup.media, station.inside)?;
-        meet(setup.rig, &station.world_from_camera, &stack, spot.pixel())
+        meet(setup.rig, &station.world_from_camera, &stack, pixel)
+    };
+    let by_one = |parameter: &usize| {
+        Ok(Slope::between(
+            &through(*parameter, WALL_STEP)?,
+            &through(*parameter, -WALL_STEP)?,
+            WALL_STEP,
+        ))
     };
     let by_wall = movers
         .iter()
-        .map(|p| {
-            Ok(Slope::between(
-                &through(*p, WALL_STEP)?,
-                &through(*p, -WALL_STEP)?,
-                WALL_STEP,
-            ))
-        })
+        .map(by_one)
         .collect::<Result<Vec<_>, MeetingError>>()?;
+    Ok(Slopes {
+        by_pixel,
+        movers,
+        by_wall,
+    })
+}
+
+impl Slopes {
+    /// The gap's variance from the pixel's covariance.
+    pub(super) fn gap_variance(&self, pixel: &Matrix2<f64>) -> f64 {
+        propagated(&self.by_pixel, |i, j| pixel[(i, j)]).1
+    }
+
+    /// How the gap changes with the wall's parameters.
+    pub(super) fn gap_by_wall(&self) -> Vec<(usize, f64)> {
+        let slopes = self.by_wall.iter().map(|slope| slope.gap);
+        self.movers.iter().copied().zip(slopes).collect()
+    }
+
+    /// What it adds to the covariance of the point and to the gap's variance that the wall follows this very
+    /// spot: `follows` is how each of the wall's parameters follows the gap.
+    fn shared(&self, pixel: &Matrix2<f64>, follows: impl Fn(usize) -> f64) -> (Matrix3<f64>, f64) {
+        let mut by_gap = Slope {
+            point: Vector3::zeros(),
+            gap: 0.0,
+        };
+        for (parameter, slope) in self.movers.iter().zip(&self.by_wall) {
+            by_gap.point -= slope.point * follows(*parameter);
+            by_gap.gap -= slope.gap * follows(*parameter);
+        }
+        let (mut with_gap, mut gap) = (Vector3::zeros(), 0.0);
+        for (i, a) in self.by_pixel.iter().enumerate() {
+            for (j, b) in self.by_pixel.iter().enumerate() {
+                with_gap += a.point * (b.gap * pixel[(i, j)]);
+                gap += a.gap * b.gap * pixel[(i, j)];
+            }
+        }
+        let shared = by_gap.point * with_gap.transpose();
+        (shared + shared.transpose(), 2.0 * by_gap.gap * gap)
+    }
+}
+
+/// Propagates the centroid's covariance and that of the wall's fit to a point.
+///
+/// `grain` is that of the laser's light, see [`Spot::covariance_with`]. Fails where a ray that is moved a
+/// little no longer gets through.
+pub fn noise(
+    setup: &Setup,
+    station: &Station,
+    spot: &Spot,
+    grain: f64,
+) -> Result<Noise, MeetingError> {
+    let slopes = slopes(setup, station, spot.pixel())?;
     let camera = spot.covariance_matrix();
     let grainy = spot.covariance_with(grain);
-    let (of_spot, gap) = propagated(&by_pixel, |i, j| grainy[(i, j)]);
-    let (of_wall, wall_gap) = propagated(&by_wall, |i, j| wall.covariance[(movers[i], movers[j])]);
-    let unit_of_grain = spot.grain_covariance();
+    let wall = &setup.vessel.wall.covariance;
+    let movers = &slopes.movers;
+    let (mut covariance, mut gap) = propagated(&slopes.by_pixel, |i, j| grainy[(i, j)]);
+    let (of_wall, wall_gap) = propagated(&slopes.by_wall, |i, j| wall[(movers[i], movers[j])]);
+    covariance += of_wall;
+    gap += wall_gap;
+    let here = |view: usize, pixel: Pixel| {
+        pixel == spot.pixel() && setup.stations[view].world_from_flange == station.world_from_flange
+    };
+    let told = setup.vessel.told();
+    if let Some(follows) = told.and_then(|told| told.gain_of(here)) {
+        let (shared, shared_gap) = slopes.shared(&grainy, follows);
+        covariance += shared;
+        gap += shared_gap;
+    }
     Ok(Noise {
-        covariance: of_spot + of_wall,
-        gap: (gap + wall_gap).sqrt(),
-        gap_camera: propagated(&by_pixel, |i, j| camera[(i, j)]).1,
-        gap_grain: propagated(&by_pixel, |i, j| unit_of_grain[(i, j)]).1,
+        covariance,
+        gap: gap.max(0.0).sqrt(),
+        gap_camera: slopes.gap_variance(&camera),
+        gap_grain: slopes.gap_variance(&spot.grain_covariance()),
     })
 }
 
@@ -175,7 +245,26 @@ impl CommonSigma {
 /// again with the same spots: vessel points, the wall's fit, the light paths. So what an error does to
 /// the wall is in it. A spot whose light paths do not meet counts as unmoved.
 pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<CommonSigma>> {
+    let none = CommonSigma {
+        point: Vector3::zeros(),
+        gap: 0.0,
+    };
+    let mut sums: Vec<Vec<CommonSigma>> = pixels.iter().map(|p| vec![none; p.len()]).collect();
+    for changes in calibration_changes(setup, pixels) {
+        for (sum, change) in sums.iter_mut().flatten().zip(changes.iter().flatten()) {
+            *sum = sum.and(&change.sigma());
+        }
+    }
+    sums
+}
+
+/// What one standard deviation of each calibrated number does to the points of each view.
+pub(super) fn calibration_changes(
+    setup: &Setup,
+    pixels: &[Vec<Pixel>],
+) -> impl Iterator<Item = Vec<Vec<Change>>> {
     const PART: f64 = 1e-3;
+    let follower = Follower::of(setup);
     let base = all_meetings(
         setup.rig,
         &setup.vessel.wall,
@@ -183,60 +272,119 @@ pub fn calibration_sigmas(setup: &Setup, pixels: &[Vec<Pixel>]) -> Vec<Vec<Commo
         setup.stations,
         pixels,
     );
-    let none = CommonSigma {
-        point: Vector3::zeros(),
-        gap: 0.0,
-    };
-    let mut sums: Vec<Vec<CommonSigma>> = pixels.iter().map(|p| vec![none; p.len()]).collect();
-    for number in Calibration::ALL {
+    Calibration::ALL.into_iter().filter_map(move |number| {
         let one = number.sigma(setup.calibration_sigma);
         let off = number.nudge(setup.rig, one * PART);
-        let Some(wall) = setup.vessel.refitted(&off, setup.stations) else {
-            continue;
-        };
+        let wall = setup.vessel.refitted(&off, setup.stations)?;
+        let wall = follower.follow(&off, wall, &setup.media);
         let moved = all_meetings(&off, &wall, &setup.media, setup.stations, pixels);
-        let meetings = base.iter().flatten().zip(moved.iter().flatten());
-        for (sum, meetings) in sums.iter_mut().flatten().zip(meetings) {
-            if let (Some(before), Some(after)) = meetings {
-                *sum = sum.and(&change(before, after, 1.0 / PART));
-            }
-        }
-    }
-    sums
+        Some(changes(&base, &moved, 1.0 / PART))
+    })
 }
 
 /// What an error of the liquid's index, of one standard deviation, would do to the points of each view.
 pub fn index_sigmas(setup: &Setup, pixels: &[Vec<Pixel>], sigma: f64) -> Vec<Vec<CommonSigma>> {
     const STEP: f64 = 1e-5;
+    let follower = Follower::of(setup);
     let at = |liquid: f64| {
         let media = Media {
             liquid,
             ..setup.media
         };
-        let wall = &setup.vessel.wall;
-        all_meetings(setup.rig, wall, &media, setup.stations, pixels)
+        let wall = follower.follow(setup.rig, setup.vessel.wall.clone(), &media);
+        all_meetings(setup.rig, &wall, &media, setup.stations, pixels)
     };
     let n = setup.media.liquid;
-    let ends = at(n - STEP).into_iter().zip(at(n + STEP));
-    let one = |(back, ahead): (Option<Meeting>, Option<Meeting>)| {
-        let none = CommonSigma {
+    let changes = changes(&at(n - STEP), &at(n + STEP), sigma / (2.0 * STEP));
+    let sigmas = |view: Vec<Change>| view.iter().map(Change::sigma).collect();
+    changes.into_iter().map(sigmas).collect()
+}
+
+/// Lets a wall that ray distances have told of follow them.
+struct Follower<'a> {
+    setup: &'a Setup<'a>,
+    /// The ray distances as they are.
+    before: Vec<Option<f64>>,
+}
+
+impl<'a> Follower<'a> {
+    fn of(setup: &'a Setup<'a>) -> Self {
+        let told = setup.vessel.told();
+        let seen = told.map_or(&[][..], Told::seen);
+        let wall = &setup.vessel.wall;
+        Self {
+            before: ray_distances(setup.rig, wall, &setup.media, setup.stations, seen),
+            setup,
+        }
+    }
+
+    /// The wall with what changed ray distances do to it. One that is gone counts as unchanged.
+    fn follow(&self, rig: &Rig, wall: Wall, media: &Media) -> Wall {
+        let Some(told) = self.setup.vessel.told() else {
+            return wall;
+        };
+        let after = ray_distances(rig, &wall, media, self.setup.stations, told.seen());
+        let change = |(before, after): (&Option<f64>, &Option<f64>)| {
+            before
+                .zip(*after)
+                .map_or(0.0, |(before, after)| after - before)
+        };
+        let changes = self.before.iter().zip(&after).map(change);
+        wall.nudged(&told.following(&DVector::from_iterator(after.len(), changes)))
+    }
+}
+
+/// How much a point and its ray distance change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Change {
+    point: Vector3<f64>,
+    pub(super) gap: f64,
+}
+
+impl Change {
+    fn sigma(&self) -> CommonSigma {
+        CommonSigma {
+            point: self.point.abs(),
+            gap: self.gap.abs(),
+        }
+    }
+}
+
+type Meetings = Vec<Vec<Option<Meeting>>>;
+
+fn changes(before: &Meetings, after: &Meetings, factor: f64) -> Vec<Vec<Change>> {
+    let change = |(before, after): (&Option<Meeting>, &Option<Meeting>)| {
+        let none = Change {
             point: Vector3::zeros(),
             gap: 0.0,
         };
-        let both = back.zip(ahead);
-        both.map_or(none, |(back, ahead)| {
-            change(&back, &ahead, sigma / (2.0 * STEP))
+        before.zip(*after).map_or(none, |(before, after)| Change {
+            point: (after.point() - before.point()) * factor,
+            gap: (after.gap() - before.gap()) * factor,
         })
     };
-    ends.map(|(back, ahead)| back.into_iter().zip(ahead).map(one).collect())
-        .collect()
+    let of_view =
+        |(before, after): (&Vec<_>, &Vec<_>)| before.iter().zip(after).map(change).collect();
+    before.iter().zip(after).map(of_view).collect()
 }
 
-fn change(before: &Meeting, after: &Meeting, factor: f64) -> CommonSigma {
-    CommonSigma {
-        point: (after.point() - before.point()).abs() * factor,
-        gap: (after.gap() - before.gap()).abs() * factor,
+/// The signed ray distances of spots; `None` where the light paths do not meet.
+pub(super) fn ray_distances(
+    rig: &Rig,
+    wall: &Wall,
+    media: &Media,
+    stations: &[Station],
+    seen: &[(usize, Pixel)],
+) -> Vec<Option<f64>> {
+    let mut pixels = vec![Vec::new(); stations.len()];
+    for (view, pixel) in seen {
+        pixels[*view].push(*pixel);
     }
+    let meetings = all_meetings(rig, wall, media, stations, &pixels);
+    let meetings = meetings.into_iter().flatten();
+    meetings
+        .map(|meeting| meeting.map(|meeting| meeting.gap()))
+        .collect()
 }
 
 fn all_meetings(
@@ -245,7 +393,7 @@ fn all_meetings(
     media: &Media,
     stations: &[Station],
     pixels: &[Vec<Pixel>],
-) -> Vec<Vec<Option<Meeting>>> {
+) -> Meetings {
     let liquid = wall.stack(media, InsideMedium::Liquid);
     let air = wall.stack(media, InsideMedium::Air);
     let of_view = |(station, pixels): (&Station, &Vec<Pixel>)| {

@@ -1,8 +1,8 @@
 //! The liquid's index: given, or estimated from the scan itself.
 
-use super::{PipelineError, Settings};
+use super::{PipelineError, Settings, setup};
 use crate::index::{IndexEstimate, IndexMethod, IndexStudy, Known, Verdict, study};
-use crate::object::{Choice, Setup, find_object};
+use crate::object::{Choice, find_object};
 use crate::optics::Media;
 use crate::scan::{InsideMedium, Scan};
 use crate::spots::Spots;
@@ -113,7 +113,13 @@ pub(super) fn measure(
         },
     };
     let vessel = find_vessel(scan, spots, &media, &settings.vessel)?;
-    let find = |media: Media| find_object(&setup(scan, &vessel, media), spots, &settings.object);
+    let find = |media: Media| {
+        find_object(
+            &setup(scan, &scan.stations, &vessel, media),
+            spots,
+            &settings.object,
+        )
+    };
     let mut object = find(media);
     let method = match wanted {
         Wanted::Given(value) => {
@@ -129,12 +135,24 @@ pub(super) fn measure(
     };
     let known = Known::of(&scan.manifest)?;
     let range = settings.index_range;
-    let mut found = study(&setup(scan, &vessel, media), spots, &object, &known, &range)?;
+    let mut found = study(
+        &setup(scan, &scan.stations, &vessel, media),
+        spots,
+        &object,
+        &known,
+        &range,
+    )?;
     // Which spots are the object's depends a little on the index.
     if let Some(value) = found.best().and_then(|best| best.value) {
         media.liquid = value;
         object = find(media);
-        found = study(&setup(scan, &vessel, media), spots, &object, &known, &range)?;
+        found = study(
+            &setup(scan, &scan.stations, &vessel, media),
+            spots,
+            &object,
+            &known,
+            &range,
+        )?;
     }
     let index = inside_index(&found, method)?;
     match index.value {
@@ -151,16 +169,6 @@ pub(super) fn measure(
         index,
         study: Some(found),
     })
-}
-
-fn setup<'a>(scan: &'a Scan, vessel: &'a VesselFit, media: Media) -> Setup<'a> {
-    Setup {
-        rig: &scan.rig,
-        calibration_sigma: &scan.calibration_sigma,
-        stations: &scan.stations,
-        vessel,
-        media,
-    }
 }
 
 fn inside_index(study: &IndexStudy, method: IndexMethod) -> Result<InsideIndex, PipelineError> {

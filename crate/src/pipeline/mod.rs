@@ -40,7 +40,7 @@ use crate::geometry::{Point, World};
 use crate::index::{IndexError, IndexMethod, IndexRange, IndexStudy, Verdict};
 use crate::object::{
     Choice, CommonSigma, ObjectSettings, Setup, calibration_sigmas, find_object, index_sigmas,
-    meet_unrefracted, propose_media,
+    meet_unrefracted, propose_media, settle_wall,
 };
 use crate::optics::Media;
 use crate::rig::Laser;
@@ -162,20 +162,13 @@ pub fn reconstruct<'a>(
     }
     let wanted = index::wanted(scan, settings)?;
     let Measured {
-        vessel,
+        mut vessel,
         media,
         mut object,
         index,
         study,
     } = index::measure(scan, spots, settings, wanted)?;
-    let setup = |stations| Setup {
-        rig: &scan.rig,
-        calibration_sigma: &scan.calibration_sigma,
-        stations,
-        vessel: &vessel,
-        media,
-    };
-    let as_said = setup(&scan.stations);
+    let as_said = setup(scan, &scan.stations, &vessel, media);
     // An index that was estimated with views in the wrong medium is no ground to judge them by.
     let inside_proposed = match index.verdict {
         Verdict::Given => propose_media(&as_said, spots, &object, &settings.object),
@@ -186,9 +179,17 @@ pub fn reconstruct<'a>(
         for (station, proposed) in stations.iter_mut().zip(&inside_proposed) {
             station.inside = proposed.unwrap_or(station.inside);
         }
-        object = find_object(&setup(&stations), spots, &settings.object);
+        let as_proposed = setup(scan, &stations, &vessel, media);
+        object = find_object(&as_proposed, spots, &settings.object);
     }
-    let common_sigmas = common_sigmas(&setup(&stations), spots, &object, index.sigma);
+    // The ray distances tell of the wall only now: the index was sought with the same ones.
+    if let Some(settled) = settle_wall(&setup(scan, &stations, &vessel, media), spots, &object) {
+        vessel = settled;
+        let settled = setup(scan, &stations, &vessel, media);
+        object = find_object(&settled, spots, &settings.object);
+    }
+    let measured = setup(scan, &stations, &vessel, media);
+    let common_sigmas = common_sigmas(&measured, spots, &object, index.sigma);
     let unrefracted = unrefracted(scan, spots, &object);
     Ok(Reconstruction {
         scan,
@@ -203,6 +204,21 @@ pub fn reconstruct<'a>(
         common_sigmas,
         unrefracted,
     })
+}
+
+fn setup<'a>(
+    scan: &'a Scan,
+    stations: &'a [Station],
+    vessel: &'a VesselFit,
+    media: Media,
+) -> Setup<'a> {
+    Setup {
+        rig: &scan.rig,
+        calibration_sigma: &scan.calibration_sigma,
+        stations,
+        vessel,
+        media,
+    }
 }
 
 /// What errors of calibration and of the index would do to each view's points.

@@ -1,6 +1,7 @@
 use nalgebra::{DVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::evidence::{Alternative, Told};
 use super::glow::{self, Faces, Glows};
 use super::grain::{self, OffLine};
 use super::pick::{self, Candidate};
@@ -83,6 +84,7 @@ pub struct VesselFit {
     /// What the fit's rows stand for.
     rows: Vec<Row>,
     fit: SurfaceFit,
+    told: Option<Told>,
 }
 
 /// A row of the fit: where a view saw the wall.
@@ -90,6 +92,7 @@ pub struct VesselFit {
 struct Row {
     view: usize,
     pixel: Pixel,
+    point: Point<World>,
 }
 
 /// Why there is no wall.
@@ -206,15 +209,6 @@ pub(super) struct Pick {
     pub(super) view: usize,
     pub(super) candidate: Candidate,
     pub(super) pixel: Pixel,
-}
-
-impl Pick {
-    const fn row(&self) -> Row {
-        Row {
-            view: self.view,
-            pixel: self.pixel,
-        }
-    }
 }
 
 impl Finder<'_> {
@@ -443,7 +437,7 @@ impl Finder<'_> {
         let shifts = points.iter().zip(&fit.residuals).map(shift);
         let shifts = DVector::from_iterator(points.len(), shifts);
         if let Some(step) = fit.response(&shifts) {
-            fit.covariance += &step * step.transpose();
+            fit.add_error(&step);
         }
     }
 
@@ -473,6 +467,11 @@ impl Finder<'_> {
         }
         let mut wall = self.wall(fit.surface.clone())?;
         wall.covariance = fit.covariance.clone();
+        let row = |(pick, place): (&Pick, &WeightedPoint<World>)| Row {
+            view: pick.view,
+            pixel: pick.pixel,
+            point: place.point,
+        };
         Ok(VesselFit {
             wall,
             points,
@@ -481,8 +480,9 @@ impl Finder<'_> {
             glows,
             choice,
             known: self.known.is_some(),
-            rows: picks.iter().map(Pick::row).collect(),
+            rows: picks.iter().zip(&places).map(row).collect(),
             fit,
+            told: None,
         })
     }
 }
@@ -497,7 +497,7 @@ impl VesselFit {
         let mut shifts = DVector::zeros(self.rows.len());
         let supporting = |row: &usize| self.fit.weights[*row] > 0.0;
         for row in (0..self.rows.len()).filter(supporting) {
-            let Row { view, pixel } = self.rows[row];
+            let Row { view, pixel, .. } = self.rows[row];
             let world_from_camera = rig.station(&stations[view].world_from_flange);
             let moved = world_from_camera.point(pick::lit_point(rig, pixel)?.point);
             shifts[row] = self.wall.outer.signed_distance(moved) - self.fit.residuals[row];
@@ -505,11 +505,39 @@ impl VesselFit {
         Some(self.wall.nudged(&self.fit.response(&shifts)?))
     }
 
+    /// What else was measured than the wall's own points, and how the wall follows it.
+    pub const fn told(&self) -> Option<&Told> {
+        self.told.as_ref()
+    }
+
+    /// The free forms that its points leave open, as steps from the wall; none where it is of a simple shape.
+    pub fn alternatives(&self) -> &[Alternative] {
+        &self.fit.alternatives
+    }
+
+    /// The wall moved by the step in its parameters that other measurements ask for.
+    pub fn told_by(&self, told: Told) -> Self {
+        let mut fit = self.clone();
+        fit.wall = Wall {
+            covariance: told.covariance().clone(),
+            ..self.wall.nudged(told.step())
+        };
+        let outer = &fit.wall.outer;
+        for (residual, row) in fit.fit.residuals.iter_mut().zip(&fit.rows) {
+            *residual = outer.signed_distance(row.point);
+        }
+        for point in fit.points.iter_mut().flatten() {
+            point.residual = outer.signed_distance(point.point);
+        }
+        fit.rms = rms(&fit.points);
+        fit.fit.alternatives.clear();
+        fit.told = Some(told);
+        fit
+    }
+
     /// Takes all points of a line in place of those few that the fit was made with.
     pub(super) fn replace_points(&mut self, points: Vec<Vec<VesselPoint>>) {
-        let squares = points.iter().flatten().map(|p| p.residual * p.residual);
-        let count = points.iter().flatten().count();
-        self.rms = (squares.sum::<f64>() / count.max(1) as f64).sqrt();
+        self.rms = rms(&points);
         self.points = points;
     }
 
@@ -520,6 +548,13 @@ impl VesselFit {
         let off: Vec<f64> = points.filter_map(|p| p.off_line).collect();
         (!off.is_empty()).then(|| robust::median(off))
     }
+}
+
+/// Root mean square residual, mm.
+fn rms(points: &[Vec<VesselPoint>]) -> f64 {
+    let squares = points.iter().flatten().map(|p| p.residual * p.residual);
+    let count = points.iter().flatten().count();
+    (squares.sum::<f64>() / count.max(1) as f64).sqrt()
 }
 
 /// Where the rig usually stands: the station nearest to the mean of all. The mean itself may lie within

@@ -1,60 +1,59 @@
-//! A free-form wall through scattered points: a penalised spline whose smoothness the noise decides.
+//! A free-form wall through scattered points: a spline whose smoothness the points themselves decide.
 
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector2};
 
+use super::evidence::{Alternative, covariance};
 use super::refine::{SurfaceFit, biweights, supported_rms};
 use crate::geometry::{WeightedPoint, World};
 use crate::optics::{Base, BaseShape, Freeform, Grid, Sheet, Surface, convex_hull};
 use crate::robust::robust_scale;
 
-/// Fits heights over a simple surface (P-splines after P. Eilers and B. Marx, 1996).
+/// Fits heights over a simple surface: a Gaussian process (C. Rasmussen and C. Williams, 2006), whose
+/// samples are the control heights of a spline.
 ///
-/// With B the B-spline's values at the points, W their weights, P the sum of squared second differences of
-/// the control heights c (a discrete bending energy) and, times the square of the patch's extent, of
-/// squared third ones, which keeps short waves down,
+/// With B the spline's values at the points and W their weights, the control heights c = M b + F u are sums
+/// of motions M, which merely move the base (shift, tilt, another radius, an axis that turns) and cost
+/// nothing, and of forms F with F F^T the correlations exp(-d^2 / 2 reach^2) of heights d apart:
 ///
 /// ```text
-/// c = argmin (h - B c)^T W (h - B c) + lambda c^T P c
+/// c = argmin (h - B c)^T W (h - B c) + |u|^2 / amplitude^2
 /// ```
 ///
-/// What would merely move the base (another radius, an axis that turns) bends the heights too, and costs
-/// nothing: so where the points say little, the wall is the base. Lambda is that of the greatest restricted
-/// likelihood (G. Wahba, 1985; S. Wood, 2011), less one standard deviation, so nobody has to choose it. Outliers lose
-/// weight by Tukey's biweight. The covariance is the posterior's, (B^T W B + lambda P)^-1, scaled up where
-/// the residuals are larger than the points' sigmas.
+/// So where the points say little, the wall is the base. Nobody has to choose reach and amplitude: all pairs
+/// of them count by their restricted likelihood (G. Wahba, 1985), and the wall is their mean. Outliers lose
+/// weight by Tukey's biweight. The covariance is the posterior's, scaled up where the residuals are larger
+/// than the points' sigmas, and with what the pairs differ by.
 pub(super) fn fit(points: &[WeightedPoint<World>], base: Base) -> Option<SurfaceFit> {
     let mut sheet = flat_sheet(points, base);
     let problem = Problem::new(points, &sheet);
     // The first round takes all points alike: a flat start would cast out a bulge's flanks.
     let mut weights: Vec<f64> = points.iter().map(|p| 1.0 / (p.sigma * p.sigma)).collect();
-    let mut smoothness = None;
-    let mut solution = None;
+    let mut likely = Vec::new();
     for round in 0..REWEIGHTINGS {
-        if round > 0 {
-            weights = biweights(points, &Surface::Freeform(Freeform::new(sheet.clone())));
-        }
         let normal = problem.normal(&over_base(points, &sheet, &weights));
-        if round < SMOOTHINGS {
-            smoothness = Some(normal.likeliest_smoothness()?);
+        if round < WEIGHINGS {
+            likely = normal.likely();
         }
-        let factor = normal.penalised(smoothness?).cholesky()?;
-        sheet.heights = factor.solve(&normal.right).iter().copied().collect();
-        if round + 1 == REWEIGHTINGS {
-            solution = normal.solution(smoothness?);
-        }
+        sheet.heights = normal.heights(&likely)?.iter().copied().collect();
+        weights = biweights(points, &Surface::Freeform(Freeform::new(sheet.clone())));
     }
-    let solution = solution?;
-    sheet.patch = measured_patch(points, &weights, &sheet, &solution.inverse);
+    let normal = problem.normal(&over_base(points, &sheet, &weights));
+    let solution = normal.solution(&likely)?;
+    sheet.heights = solution.heights.iter().copied().collect();
+    sheet.patch = measured_patch(
+        points,
+        &weights,
+        &sheet,
+        &covariance(&solution.alternatives),
+    );
     let surface = Surface::Freeform(Freeform::new(sheet));
     Some(summarise(points, surface, weights, solution))
 }
 
 const REWEIGHTINGS: usize = 8;
-/// After so many rounds the smoothness is settled, and only the weights still change.
-const SMOOTHINGS: usize = 3;
+/// After so many rounds it is settled what counts, and only the points' weights still change.
+const WEIGHINGS: usize = 3;
 const MOST_CELLS: f64 = 12.0;
-/// A smoothness whose -2 l is larger by so much is one standard deviation away.
-const HARDLY_WORSE: f64 = 1.0;
 /// How far beyond the outermost points a wall may count as measured, in spacings of the points: from
 /// that of a place amid them to what the fit may support at best.
 const MARGINS: [f64; 5] = [1.5, 1.25, 1.0, 0.75, 0.5];
@@ -138,18 +137,19 @@ fn patch(places: &[Vector2<f64>], margin: f64) -> Vec<Vector2<f64>> {
 /// A control point that matters, with its weight and the weight's derivatives.
 type Term = (usize, f64, Vector2<f64>);
 
-/// What does not change while weights and smoothness are sought.
+/// What does not change while the points' weights do.
 struct Problem {
     /// The control points that matter to each point, with their weights.
     rows: Vec<[Term; 16]>,
     /// The points' heights over the base, mm.
     heights: Vec<f64>,
-    penalty: DMatrix<f64>,
-    /// How many motions of the sheet the penalty does not see.
+    /// How many motions of the sheet cost nothing.
     free: usize,
+    /// For each reach, motions and then forms, a column each.
+    bases: Vec<DMatrix<f64>>,
 }
 
-/// The normal equations for one set of weights.
+/// The normal equations for one set of weights, for the control heights.
 struct Normal<'a> {
     information: DMatrix<f64>,
     right: DVector<f64>,
@@ -160,9 +160,26 @@ struct Normal<'a> {
     problem: &'a Problem,
 }
 
-/// What is left to know once the smoothness is settled.
+/// The same for the amounts of motions and forms of one reach.
+struct Reduced<'a> {
+    information: DMatrix<f64>,
+    right: DVector<f64>,
+    normal: &'a Normal<'a>,
+}
+
+/// A reach, and the stiffnesses (one over the amplitude's square, mm^-2) that count, each with its weight.
+struct Likely {
+    reach: usize,
+    stiffnesses: Vec<(f64, f64)>,
+}
+
+/// What the points make of all that is likely.
 struct Solution {
-    /// Inverse of the penalised information.
+    /// The control heights, mm.
+    heights: DVector<f64>,
+    /// Of each reach and amplitude.
+    alternatives: Vec<Alternative>,
+    /// What turns weighted points into heights.
     inverse: DMatrix<f64>,
     /// The effective degrees of freedom, the trace of what turns the points into the sheet's.
     freedom: f64,
@@ -171,30 +188,20 @@ struct Solution {
 impl Problem {
     fn new(points: &[WeightedPoint<World>], sheet: &Sheet) -> Self {
         let placed: Vec<_> = points.iter().map(|p| sheet.base.place(p.point)).collect();
-        let extent = Vector2::new(
-            sheet.grid.columns as f64 - 3.0,
-            sheet.grid.rows as f64 - 3.0,
-        )
-        .component_mul(&sheet.grid.step)
-        .norm();
-        let mut penalty = energy(&sheet.grid, 2) + energy(&sheet.grid, 3) * (extent * extent);
         let motions = motions(&sheet.base, &sheet.grid);
-        for motion in &motions {
-            forgive(&mut penalty, motion);
-        }
         Self {
             rows: placed
                 .iter()
                 .map(|(place, _)| sheet.grid.support(*place).terms)
                 .collect(),
             heights: placed.iter().map(|(_, height)| *height).collect(),
-            penalty,
-            free: 3 + motions.len(),
+            free: motions.ncols(),
+            bases: bases(&sheet.grid, &motions),
         }
     }
 
     fn normal(&self, weights: &[f64]) -> Normal<'_> {
-        let n = self.penalty.nrows();
+        let n = self.bases[0].nrows();
         let mut information = DMatrix::zeros(n, n);
         let mut right = DVector::zeros(n);
         let (mut squares, mut count) = (0.0, 0.0);
@@ -218,6 +225,51 @@ impl Problem {
     }
 }
 
+/// Motions and forms for reaches from that of the whole patch down to a cell's.
+fn bases(grid: &Grid, motions: &DMatrix<f64>) -> Vec<DMatrix<f64>> {
+    const FINER: f64 = 1.5;
+    let cells = |points: usize, step: f64| (points - 3) as f64 * step;
+    let across = cells(grid.columns, grid.step.x);
+    let extent = Vector2::new(across, cells(grid.rows, grid.step.y)).norm();
+    let reaches = std::iter::successors(Some(extent), |reach| Some(reach / FINER));
+    let with_forms = |reach: f64| {
+        let forms = forms(grid, reach);
+        let columns = motions.column_iter().chain(forms.column_iter());
+        DMatrix::from_columns(&columns.collect::<Vec<_>>())
+    };
+    reaches
+        .take_while(|reach| *reach > grid.step.min())
+        .map(with_forms)
+        .collect()
+}
+
+/// The root of the correlations exp(-d^2 / 2 reach^2) of the control heights. They are products of one along
+/// each coordinate, and so is their root; what is next to nothing of it is left out.
+fn forms(grid: &Grid, reach: f64) -> DMatrix<f64> {
+    const LEAST: f64 = 1e-9;
+    let along = |points: usize, step: f64| {
+        let correlation = DMatrix::from_fn(points, points, |i, j| {
+            let apart = (i as f64 - j as f64) * step / reach;
+            libm::exp(-0.5 * apart * apart)
+        });
+        SymmetricEigen::new(correlation)
+    };
+    let (across, down) = (
+        along(grid.columns, grid.step.x),
+        along(grid.rows, grid.step.y),
+    );
+    let mut columns = Vec::new();
+    for (i, a) in across.eigenvalues.iter().enumerate() {
+        for (j, b) in down.eigenvalues.iter().enumerate() {
+            if a * b > LEAST {
+                let (across, down) = (across.eigenvectors.column(i), down.eigenvectors.column(j));
+                columns.push(down.kronecker(&across) * (a * b).sqrt());
+            }
+        }
+    }
+    DMatrix::from_columns(&columns)
+}
+
 /// Weights for heights over the base from weights for distances from the sheet: a height is longer,
 /// by the slope between the two.
 fn over_base(points: &[WeightedPoint<World>], sheet: &Sheet, weights: &[f64]) -> Vec<f64> {
@@ -229,72 +281,131 @@ fn over_base(points: &[WeightedPoint<World>], sheet: &Sheet, weights: &[f64]) ->
     points.iter().zip(weights).map(one).collect()
 }
 
+/// Walls whose free form is less are none, and more is no wall: one over the amplitude's square, mm^-2.
+const STIFFEST: f64 = 1e3;
+const STIFFNESSES: usize = 13;
+
 impl Normal<'_> {
-    fn penalised(&self, smoothness: f64) -> DMatrix<f64> {
-        // A breath of ridge keeps the control points that no datum and no bending reaches in place.
-        let ridge = 1e-12 * self.information.trace();
-        let mut penalised = &self.problem.penalty * smoothness + &self.information;
-        for i in 0..penalised.nrows() {
-            penalised[(i, i)] += ridge;
+    fn reduced(&self, reach: usize) -> Reduced<'_> {
+        let basis = &self.problem.bases[reach];
+        Reduced {
+            information: basis.tr_mul(&(&self.information * basis)),
+            right: basis.tr_mul(&self.right),
+            normal: self,
+        }
+    }
+
+    /// The reaches and stiffnesses that count. Beforehand all do alike.
+    fn likely(&self) -> Vec<Likely> {
+        const LEAST: f64 = 0.01;
+        let score = |reach: usize| {
+            let reduced = self.reduced(reach);
+            let stiffnesses = (0..STIFFNESSES).map(|i| STIFFEST * libm::exp10(-0.5 * i as f64));
+            let scored = stiffnesses.map(|stiffness| (stiffness, reduced.unlikeliness(stiffness)));
+            scored
+                .filter_map(|(stiffness, score)| Some((stiffness, score?)))
+                .collect()
+        };
+        let scored: Vec<Vec<(f64, f64)>> = (0..self.problem.bases.len()).map(score).collect();
+        let least = scored
+            .iter()
+            .flatten()
+            .map(|(_, score)| *score)
+            .fold(f64::INFINITY, f64::min);
+        let weigh = |(stiffness, score): (f64, f64)| (stiffness, libm::exp(0.5 * (least - score)));
+        let likely = scored
+            .into_iter()
+            .enumerate()
+            .map(|(reach, scored)| Likely {
+                reach,
+                stiffnesses: scored
+                    .into_iter()
+                    .map(weigh)
+                    .filter(|(_, weight)| *weight > LEAST)
+                    .collect(),
+            });
+        let mut likely: Vec<Likely> = likely.filter(|one| !one.stiffnesses.is_empty()).collect();
+        let sum: f64 = likely
+            .iter()
+            .flat_map(|one| &one.stiffnesses)
+            .map(|(_, weight)| weight)
+            .sum();
+        for (_, weight) in likely.iter_mut().flat_map(|one| &mut one.stiffnesses) {
+            *weight /= sum;
+        }
+        likely
+    }
+
+    /// The mean of what is likely.
+    fn heights(&self, likely: &[Likely]) -> Option<DVector<f64>> {
+        let mut heights = DVector::zeros(self.right.len());
+        for one in likely {
+            let reduced = self.reduced(one.reach);
+            for (stiffness, weight) in &one.stiffnesses {
+                let factor = reduced.penalised(*stiffness).cholesky()?;
+                heights += &self.problem.bases[one.reach] * factor.solve(&reduced.right) * *weight;
+            }
+        }
+        Some(heights)
+    }
+
+    fn solution(&self, likely: &[Likely]) -> Option<Solution> {
+        let heights = self.heights(likely)?;
+        let size = heights.len();
+        let mut solution = Solution {
+            alternatives: Vec::new(),
+            inverse: DMatrix::zeros(size, size),
+            freedom: 0.0,
+            heights,
+        };
+        for one in likely {
+            let basis = &self.problem.bases[one.reach];
+            let reduced = self.reduced(one.reach);
+            for (stiffness, weight) in &one.stiffnesses {
+                let factor = reduced.penalised(*stiffness).cholesky()?;
+                let inverse = factor.inverse();
+                let root = basis * inverse.clone().cholesky()?.unpack();
+                solution.inverse += &root * root.transpose() * *weight;
+                solution.freedom += inverse.component_mul(&reduced.information).sum() * weight;
+                solution.alternatives.push(Alternative {
+                    weight: *weight,
+                    step: basis * factor.solve(&reduced.right) - &solution.heights,
+                    root,
+                });
+            }
+        }
+        Some(solution)
+    }
+}
+
+impl Reduced<'_> {
+    fn penalised(&self, stiffness: f64) -> DMatrix<f64> {
+        let mut penalised = self.information.clone();
+        for form in self.normal.problem.free..penalised.nrows() {
+            penalised[(form, form)] += stiffness;
         }
         penalised
     }
 
-    /// The smoothness of the greatest restricted likelihood, the noise's variance v times the weights'
-    /// unknown but never below 1:
+    /// The restricted likelihood, the noise's variance v times the weights' unknown but never below 1:
     ///
     /// ```text
-    /// -2 l = (N - m) ln v + (h^T W h - b^T c) / v + ln |A + lambda P| - (n - m) ln lambda
+    /// -2 l = (N - m) ln v + (h^T W h - b^T a) / v + ln |A + k D| - n ln k
     /// ```
     ///
-    /// with A c + lambda P c = b the penalised normal equations, n control heights, and m motions that
-    /// cost nothing. Sought in steps of a hundred, then between them.
-    fn likeliest_smoothness(&self) -> Option<f64> {
-        let unit = self.information.trace() / self.problem.penalty.trace();
-        let scored = |power: f64| {
-            let smoothness = unit * libm::exp10(power);
-            Some((self.unlikeliness(smoothness)?, power, smoothness))
-        };
-        let likeliest = |powers: &mut dyn Iterator<Item = f64>| {
-            let scored = powers.filter_map(scored);
-            scored.min_by(|a, b| a.0.total_cmp(&b.0))
-        };
-        let mut best = likeliest(&mut (-4..=4).map(|i| 2.0 * f64::from(i)))?;
-        for step in [1.0, 0.5, 0.25] {
-            let either_side = likeliest(&mut [best.1 - step, best.1 + step].into_iter());
-            best = either_side.filter(|next| next.0 < best.0).unwrap_or(best);
-        }
-        // Where the likelihood hardly tells a stiff sheet from a supple one, the supple one is honest about
-        // what the noise may hide.
-        let mut supple = best;
-        while let Some(next) = scored(supple.1 - 0.5).filter(|next| next.0 <= best.0 + HARDLY_WORSE)
-        {
-            supple = next;
-        }
-        Some(supple.2)
-    }
-
-    fn unlikeliness(&self, smoothness: f64) -> Option<f64> {
-        let factor = self.penalised(smoothness).cholesky()?;
+    /// with (A + k D) a = b the penalised normal equations, k the stiffness, D one for each of the n forms and
+    /// zero for the m motions. `None` where the points leave a motion open.
+    fn unlikeliness(&self, stiffness: f64) -> Option<f64> {
+        let factor = self.penalised(stiffness).cholesky()?;
         let explained = self.right.dot(&factor.solve(&self.right));
-        let left = (self.squares - explained).max(0.0);
-        let free = self.problem.free as f64;
-        let stiff = self.right.len() as f64 - free;
+        let left = (self.normal.squares - explained).max(0.0);
+        let free = self.normal.problem.free;
         let diagonal = factor.l_dirty().diagonal();
         let volume: f64 = diagonal.iter().map(|d| 2.0 * libm::log(*d)).sum();
-        let spare = (self.count - free).max(1.0);
+        let spare = (self.normal.count - free as f64).max(1.0);
         let variance = (left / spare).max(1.0);
         let misfit = spare * libm::log(variance) + left / variance;
-        Some(misfit + volume - stiff * libm::log(smoothness))
-    }
-
-    fn solution(&self, smoothness: f64) -> Option<Solution> {
-        let factor = self.penalised(smoothness).cholesky()?;
-        let inverse = factor.inverse();
-        Some(Solution {
-            freedom: inverse.component_mul(&self.information).sum(),
-            inverse,
-        })
+        Some(misfit + volume - (self.right.len() - free) as f64 * libm::log(stiffness))
     }
 }
 
@@ -302,7 +413,7 @@ fn summarise(
     points: &[WeightedPoint<World>],
     surface: Surface,
     weights: Vec<f64>,
-    solution: Solution,
+    mut solution: Solution,
 ) -> SurfaceFit {
     let distance = |p: &WeightedPoint<World>| surface.signed_distance(p.point);
     let residuals = DVector::from_iterator(points.len(), points.iter().map(distance));
@@ -321,10 +432,14 @@ fn summarise(
             }
         }
     }
+    for alternative in &mut solution.alternatives {
+        alternative.root *= inflation.sqrt();
+    }
     SurfaceFit {
         rms: supported_rms(&residuals, &weights),
         scale: robust_scale(residuals.as_slice()),
-        covariance: &solution.inverse * inflation,
+        covariance: covariance(&solution.alternatives),
+        alternatives: solution.alternatives,
         jacobian,
         inverse_information: solution.inverse,
         effective_freedom: solution.freedom,
@@ -334,74 +449,28 @@ fn summarise(
     }
 }
 
-/// The control heights of what a base does to first order when its radius or its axis changes, beyond
-/// shifts and tilts, which bend nothing: with s and t the coordinates, s^2 + t^2 for a sphere, s^2 and
-/// s t for a cylinder.
-fn motions(base: &Base, grid: &Grid) -> Vec<DVector<f64>> {
-    let control = |height: fn(f64, f64) -> f64| {
+/// The control heights of what a base does to first order when it moves, its radius or its axis changes,
+/// with s and t the coordinates: shifts and tilts; s^2 + t^2 for a sphere; s^2 and s t for a cylinder.
+fn motions(base: &Base, grid: &Grid) -> DMatrix<f64> {
+    type Height = fn(f64, f64) -> f64;
+    let rigid: [Height; 3] = [|_, _| 1.0, |s, _| s, |_, t| t];
+    let round: &[Height] = match base.shape {
+        BaseShape::Plane => &[],
+        BaseShape::Cylinder { .. } => &[|s, _| s * s, |s, t| s * t],
+        BaseShape::Sphere { .. } => &[|s, t| s * s + t * t],
+    };
+    // From the middle and in cells, so that all columns are of one size.
+    let middle = |points: usize| (points as f64 - 1.0) / 2.0;
+    let size = grid.step.max();
+    let control = |height: &Height| {
         let places = (0..grid.len()).map(|index| {
             let (column, row) = (index % grid.columns, index / grid.columns);
-            let s = grid.start.x + (column as f64 - 1.0) * grid.step.x;
-            let t = grid.start.y + (row as f64 - 1.0) * grid.step.y;
+            let s = (column as f64 - middle(grid.columns)) * grid.step.x / size;
+            let t = (row as f64 - middle(grid.rows)) * grid.step.y / size;
             height(s, t)
         });
         DVector::from_iterator(grid.len(), places)
     };
-    match base.shape {
-        BaseShape::Plane => vec![],
-        BaseShape::Cylinder { .. } => vec![control(|s, _| s * s), control(|s, t| s * t)],
-        BaseShape::Sphere { .. } => vec![control(|s, t| s * s + t * t)],
-    }
-}
-
-/// Makes a motion cost nothing: P - (P m)(P m)^T / (m^T P m).
-fn forgive(penalty: &mut DMatrix<f64>, motion: &DVector<f64>) {
-    let force = &*penalty * motion;
-    let energy = motion.dot(&force);
-    *penalty -= &force * (force.transpose() / energy);
-}
-
-/// The energy of a sheet's derivatives of one order, as a quadratic form P of its control heights: with
-/// D_u and D_v the differences along the two coordinates per length, the sum over a + b = order of
-/// `binomial(order, a) |D_u^a D_v^b c|^2`. Order 2 is the energy of a thin plate that is bent.
-fn energy(grid: &Grid, order: usize) -> DMatrix<f64> {
-    let mut energy = DMatrix::zeros(grid.len(), grid.len());
-    for across in 0..=order {
-        let down = order - across;
-        let (along_row, along_column) = (differences(across), differences(down));
-        let scale = libm::pow(grid.step.x, across as f64) * libm::pow(grid.step.y, down as f64);
-        let factor = binomial(order, across) / (scale * scale);
-        for row in 0..grid.rows - down {
-            for column in 0..grid.columns - across {
-                let mut terms = Vec::with_capacity((across + 1) * (down + 1));
-                for (j, b) in along_column.iter().enumerate() {
-                    for (i, a) in along_row.iter().enumerate() {
-                        terms.push(((row + j) * grid.columns + column + i, a * b));
-                    }
-                }
-                for (i, a) in &terms {
-                    for (j, b) in &terms {
-                        energy[(*i, *j)] += factor * a * b;
-                    }
-                }
-            }
-        }
-    }
-    energy
-}
-
-/// The weights of an n-th difference: 1; -1, 1; 1, -2, 1; ...
-fn differences(order: usize) -> Vec<f64> {
-    let sign = |i: usize| {
-        if (order - i).is_multiple_of(2) {
-            1.0
-        } else {
-            -1.0
-        }
-    };
-    (0..=order).map(|i| sign(i) * binomial(order, i)).collect()
-}
-
-fn binomial(n: usize, k: usize) -> f64 {
-    (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+    let columns: Vec<_> = rigid.iter().chain(round).map(control).collect();
+    DMatrix::from_columns(&columns)
 }

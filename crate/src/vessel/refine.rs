@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::evidence::Alternative;
 use crate::geometry::{WeightedPoint, World};
 use crate::optics::Surface;
 use crate::robust::{self, robust_scale};
@@ -23,6 +24,8 @@ pub(super) struct SurfaceFit {
     pub(super) effective_freedom: f64,
     /// Covariance of the parameters, in the order and units of [`Surface::nudged`].
     pub(super) covariance: DMatrix<f64>,
+    /// Where it is left open what kind of surface it is: what the covariance is made of.
+    pub(super) alternatives: Vec<Alternative>,
     /// Root mean square distance of the supporting points, mm.
     pub(super) rms: f64,
     /// Robust standard deviation of all points' distances, mm.
@@ -71,6 +74,7 @@ pub(super) fn hold(points: &[WeightedPoint<World>], surface: Surface) -> Surface
         covariance: DMatrix::zeros(freedom, freedom),
         inverse_information: DMatrix::zeros(freedom, freedom),
         effective_freedom: 0.0,
+        alternatives: Vec::new(),
         surface,
         weights,
         residuals: distances,
@@ -85,6 +89,17 @@ pub(super) fn supported_rms(distances: &DVector<f64>, weights: &[f64]) -> f64 {
 }
 
 impl SurfaceFit {
+    /// Counts an error that would move the parameters by `step`.
+    pub(super) fn add_error(&mut self, step: &DVector<f64>) {
+        self.covariance += step * step.transpose();
+        for alternative in &mut self.alternatives {
+            let last = alternative.root.ncols();
+            let root = std::mem::take(&mut alternative.root);
+            alternative.root = root.insert_column(last, 0.0);
+            alternative.root.set_column(last, step);
+        }
+    }
+
     /// The step of the parameters that follows points which move across the surface by `shifts` (mm):
     /// the weighted fit, linearised.
     pub(super) fn response(&self, shifts: &DVector<f64>) -> Option<DVector<f64>> {
@@ -206,6 +221,7 @@ fn summarise(points: &[WeightedPoint<World>], surface: Surface) -> Option<Surfac
         covariance: inverse(information)? * (chi / freedom).max(1.0),
         inverse_information: inverse(weighted)?,
         effective_freedom: surface.freedom() as f64,
+        alternatives: Vec::new(),
         surface,
         rms: supported_rms(&distances, &weights),
         scale: robust_scale(distances.as_slice()),
