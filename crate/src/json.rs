@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 
 /// Why a file could not be read.
 #[derive(Debug)]
@@ -34,6 +36,37 @@ pub(crate) fn read<T: DeserializeOwned>(json: &[u8], whole: &str) -> Result<T, M
         problem,
     })?;
     Ok(read)
+}
+
+/// serde_json ends its messages with the position, which the caller states by itself.
+pub(crate) fn without_position(problem: &serde_json::Error) -> String {
+    let text = problem.to_string();
+    match text.rfind(" at line ") {
+        Some(end) => text[..end].to_owned(),
+        None => text,
+    }
+}
+
+/// The tree of a value, through its text: serde_json's serializer of trees would be compiled for every type beside
+/// that of texts.
+pub(crate) fn tree_of(value: &impl Serialize) -> Value {
+    serde_json::to_vec(value)
+        .and_then(|text| serde_json::from_slice(&text))
+        .expect("strings and numbers alone, with string keys, always serialise")
+}
+
+/// The value that a tree says, likewise.
+pub(crate) fn of_tree<T: DeserializeOwned>(
+    tree: &Map<String, Value>,
+) -> Result<T, serde_json::Error> {
+    serde_json::from_slice(&serde_json::to_vec(tree)?)
+}
+
+/// An object of its entries. To `collect` them would sort them first, by a program for each way that they are made.
+pub(crate) fn object(entries: impl Iterator<Item = (String, Value)>) -> Map<String, Value> {
+    let mut object = Map::new();
+    object.extend(entries);
+    object
 }
 
 /// What had been read when the error arose.

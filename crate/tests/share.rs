@@ -6,12 +6,14 @@
 
 mod common;
 
-use std::io::Write;
+use std::io::{Read, Write};
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use common::Random;
 use common::archives::repository;
+use flate2::Compression;
+use flate2::read::DeflateEncoder;
 use serde_json::{Value, json};
 use snellius::export::{Format, OneOrMany, ReconstructionResult};
 use snellius::pipeline::Settings;
@@ -290,7 +292,10 @@ fn forged(head: &str, columns: &[u8]) -> String {
 }
 
 fn in_link(payload: &[u8]) -> String {
-    let deflated = miniz_oxide::deflate::compress_to_vec(payload, 9);
+    let mut deflated = Vec::new();
+    DeflateEncoder::new(payload, Compression::best())
+        .read_to_end(&mut deflated)
+        .unwrap();
     format!("r1={}", URL_SAFE_NO_PAD.encode(deflated))
 }
 

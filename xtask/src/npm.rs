@@ -28,13 +28,13 @@ pub(crate) fn build() -> Result<()> {
         "--package",
         "snellius-npm",
         "--profile",
-        "web",
+        "web-measure",
         "--target",
         WASM,
     ]))?;
     let module = target_directory()?
         .join(WASM)
-        .join("web")
+        .join("web-measure")
         .join("snellius_npm.wasm");
     let package = package();
     if package.exists() {

@@ -7,6 +7,7 @@ use super::poses::{LengthScale, ListedPose, PoseList, Reading, read_poses};
 use super::question::{Answers, Key, Part};
 use super::view_numbers::ViewNumbers;
 use crate::geometry::{Flange, Pose, World};
+use crate::robust::sort_stably;
 use crate::scan::{
     CalibrationSigmaEntry, CameraEntry, FarWall, InsideMedium, KnownKind, KnownShape, LaserEntry,
     LaserKind, LengthUnit, Manifest, MediaEntry, Motion, PoseEntry, Scan, ScanError, ScanFormat,
@@ -69,7 +70,7 @@ impl Draft {
         let manifest = manifest.filter(|_| gaps.0.is_empty());
         let manifest = manifest.and_then(|manifest| gaps.check(manifest));
         let mut gaps = gaps.0;
-        gaps.sort_by_key(|gap| gap.part);
+        sort_stably(&mut gaps, |a, b| a.part.cmp(&b.part));
         Composed {
             asked: self.asked(&pairing, list.as_ref()),
             lens,
@@ -294,7 +295,7 @@ impl Draft {
             "skip" => {}
             _ => self.tell_unpaired(pairing, gaps),
         }
-        views.sort_by(|a, b| a.key.cmp(&b.key));
+        sort_stably(&mut views, |a, b| a.key.cmp(&b.key));
         if views.is_empty() {
             let sentence = match pairing.unpaired.is_empty() {
                 true => "No pictures: choose those with the laser on and off.",

@@ -80,7 +80,7 @@ pub fn is_picture(name: &str) -> bool {
 /// assert_eq!(pairing.unpaired[0].picture, "view11_on.png");
 /// ```
 pub fn pair(names: &[impl AsRef<str>]) -> Pairing {
-    let names: BTreeSet<&str> = names.iter().map(AsRef::as_ref).collect();
+    let names: BTreeSet<&str> = set(names.iter().map(AsRef::as_ref));
     let names: Vec<&str> = names.into_iter().filter(|name| is_picture(name)).collect();
     let folder = common_folder(&names);
     let shared = shared_words(&names, folder);
@@ -97,11 +97,18 @@ pub fn pair(names: &[impl AsRef<str>]) -> Pairing {
     pairing
 }
 
+/// To `collect` it would sort the items first, by a program for each type.
+fn set<T: Ord>(items: impl Iterator<Item = T>) -> BTreeSet<T> {
+    let mut set = BTreeSet::new();
+    set.extend(items);
+    set
+}
+
 /// The words that all names have; none if there is but one.
 fn shared_words(names: &[&str], folder: &str) -> BTreeSet<Word> {
     let of = |name: &&str| -> BTreeSet<Word> {
         let words = words(stem(&name[folder.len()..]).0);
-        words.into_iter().map(|(word, _)| word).collect()
+        set(words.into_iter().map(|(word, _)| word))
     };
     let mut all = names.iter().map(of);
     let Some(first) = all.next().filter(|_| names.len() > 1) else {

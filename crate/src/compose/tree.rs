@@ -8,6 +8,7 @@ use saphyr_parser::{Event, Parser};
 use serde_json::{Map, Number, Value};
 
 use super::ImportError;
+use crate::json::object;
 
 /// Reads a tree, whichever of the three languages it is written in.
 pub(super) fn read(text: &str) -> Result<Value, ImportError> {
@@ -20,7 +21,7 @@ pub(super) fn read(text: &str) -> Result<Value, ImportError> {
 }
 
 pub(super) fn json(text: &str) -> Result<Value, ImportError> {
-    serde_json::from_str(text).map_err(|error| ImportError::Syntax {
+    serde_json::from_slice(text.as_bytes()).map_err(|error| ImportError::Syntax {
         line: error.line(),
         column: error.column(),
         problem: "this is no JSON here".to_owned(),
@@ -97,7 +98,7 @@ fn of_yaml(node: &Yaml) -> Value {
             let entries = items.iter();
             let entries =
                 entries.filter_map(|(key, value)| Some((key.as_str()?.to_owned(), of_yaml(value))));
-            Value::Object(entries.collect())
+            Value::Object(object(entries))
         }
         Yaml::Tagged(_, node) => of_yaml(node),
         _ => Value::Null,
@@ -119,9 +120,9 @@ fn of_xml(node: Node, depth: usize) -> Value {
         return Value::Null;
     }
     let children = node.children().filter(Node::is_element);
-    let entries: Map<String, Value> = children
-        .map(|child| (child.tag_name().name().to_owned(), of_xml(child, depth + 1)))
-        .collect();
+    let entries =
+        children.map(|child| (child.tag_name().name().to_owned(), of_xml(child, depth + 1)));
+    let entries = object(entries);
     if !entries.is_empty() {
         return Value::Object(entries);
     }

@@ -35,8 +35,8 @@ pub(super) fn index(inside: &InsideResult) -> String {
 
 /// The name under which a value without fields stands in `result.json`.
 pub(super) fn name_of(value: &impl Serialize) -> String {
-    let name = serde_json::to_value(value).unwrap_or_default();
-    name.as_str().unwrap_or_default().to_owned()
+    let name = serde_json::to_string(value).unwrap_or_default();
+    name.trim_matches('"').to_owned()
 }
 
 /// A text without line breaks and other control characters.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::index::{IndexMethod, Verdict};
 use crate::json;
+use crate::robust::sort_by_number;
 use crate::scan::{InsideMedium, LengthUnit, VesselShape};
 use crate::spots::SpotRole;
 
@@ -328,7 +329,7 @@ impl RefusedResult {
         let mut refused: Vec<_> = counted
             .map(|(reason, points)| Self { reason, points })
             .collect();
-        refused.sort_by_key(|refused| std::cmp::Reverse(refused.points));
+        sort_by_number(&mut refused, |refused| -(refused.points as f64));
         refused
     }
 }

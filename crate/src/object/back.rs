@@ -8,7 +8,7 @@
 use super::{Meeting, Refusal};
 use crate::geometry::{Ray, World};
 use crate::optics::Surface;
-use crate::robust::median;
+use crate::robust::{median, sort_by_number};
 use crate::vessel::Wall;
 
 /// Points that are measured to lie less far apart than this may lie on the same face, mm.
@@ -99,7 +99,7 @@ fn before_back(wall: &Wall, meeting: &Meeting, beam: &Ray<World>) -> Option<f64>
 ///
 /// Of all faces parallel to the front with a clear space before them it is the one that has the most points.
 fn flat_back(mut depths: Vec<f64>) -> Option<(f64, f64)> {
-    depths.sort_by(f64::total_cmp);
+    sort_by_number(&mut depths, |depth| *depth);
     let starts = 0..depths.len();
     let backs = starts.filter_map(|start| back_from(&depths, start));
     let most = backs.max_by_key(|(count, ..)| *count)?;

@@ -226,7 +226,7 @@ impl<'a> View<'a> {
                     .push((candidate.spot, Refusal::NoMeeting(error))),
             }
         }
-        self.refused.sort_by_key(|(spot, _)| *spot);
+        sort_by_number(&mut self.refused, |(spot, _)| *spot as f64);
         Choice {
             points,
             refused: self.refused,

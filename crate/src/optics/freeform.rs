@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 
 use super::{Base, Hit};
 use crate::geometry::{Direction, Plane, Point, Ray, World, unit};
+use crate::robust::sort_stably;
 
 /// A smooth wall of any form: heights over a simple surface, as a uniform bicubic B-spline, within the
 /// patch in which it was measured.
@@ -272,7 +273,9 @@ const SETTLED: f64 = 1e-11;
 /// The corners of the smallest convex polygon around places, counter-clockwise (Andrew's monotone chain).
 pub fn convex_hull(places: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let mut sorted = places.to_vec();
-    sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    sort_stably(&mut sorted, |a, b| {
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
+    });
     let half = |places: &mut dyn Iterator<Item = &Vector2<f64>>| {
         let mut chain: Vec<Vector2<f64>> = Vec::new();
         for place in places {

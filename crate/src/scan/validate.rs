@@ -45,7 +45,7 @@ impl Manifest {
         json::read(json, "scan.json").map_err(|json::Misread { place, problem }| {
             match problem.classify() {
                 serde_json::error::Category::Data => {
-                    ScanError::value(Place::key(place), without_position(&problem))
+                    ScanError::value(Place::key(place), json::without_position(&problem))
                 }
                 _ => syntax(&problem),
             }
@@ -59,17 +59,8 @@ fn syntax(problem: &serde_json::Error) -> ScanError {
         column: problem.column(),
         problem: format!(
             "{} (JSON has no NaN, no comments and no trailing commas)",
-            without_position(problem)
+            json::without_position(problem)
         ),
-    }
-}
-
-/// serde_json ends its messages with the position, which the caller states by itself.
-fn without_position(problem: &serde_json::Error) -> String {
-    let text = problem.to_string();
-    match text.rfind(" at line ") {
-        Some(end) => text[..end].to_owned(),
-        None => text,
     }
 }
 

@@ -1,10 +1,12 @@
 //! What a link holds once, as JSON.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value, json as tree};
 
 use super::{LinkError, Rounding};
 use crate::export::{OneOrMany, ReconstructionResult};
+use crate::json;
 use crate::pipeline::{PARAMETERS, ParameterKind, Settings};
 
 /// Vessel points and points without refraction are for looking at, mm.
@@ -95,8 +97,8 @@ pub(super) struct Steps {
 
 impl Head {
     pub(super) fn of_settings(settings: &Settings) -> Self {
-        let default = json_of(&Settings::default());
-        let changed = difference(json_of(settings), &default);
+        let default = json::tree_of(&Settings::default());
+        let changed = difference(json::tree_of(settings), &default);
         Self {
             settings: as_map(changed.unwrap_or_default()),
             ..Self::default()
@@ -107,7 +109,7 @@ impl Head {
     pub(super) fn new(settings: &Settings, result: &ReconstructionResult, part: f64) -> Self {
         let mut once = result.clone();
         once.views = Vec::new();
-        let mut once = as_map(rounded(json_of(&once)));
+        let mut once = as_map(rounded(json::tree_of(&once)));
         for usual in ["format", "version", "length_unit", "views"] {
             once.remove(usual);
         }
@@ -130,7 +132,7 @@ impl Head {
     }
 
     pub(super) fn to_json(&self) -> Vec<u8> {
-        json_of(self).to_string().into_bytes()
+        json::tree_of(self).to_string().into_bytes()
     }
 
     pub(super) fn from_json(json: &[u8]) -> Result<Self, LinkError> {
@@ -171,8 +173,7 @@ impl Head {
 
     /// The settings; those that no program of ours would have set are refused.
     pub(super) fn settings(&self) -> Result<Settings, LinkError> {
-        let settings = Value::Object(self.settings.clone());
-        let settings: Settings = serde_json::from_value(settings).map_err(damaged)?;
+        let settings: Settings = of_map(&self.settings)?;
         for parameter in &PARAMETERS {
             if let ParameterKind::Number(number) = &parameter.kind {
                 let value = (number.get)(&settings);
@@ -199,23 +200,20 @@ impl Head {
             return Ok(None);
         };
         let mut once = once.clone();
-        let usual = json!({
+        let usual = tree!({
             "format": "refractive-reconstruction", "version": 1, "length_unit": "mm", "views": [],
         });
         once.extend(as_map(usual));
-        serde_json::from_value(Value::Object(once))
-            .map(Some)
-            .map_err(damaged)
+        of_map(&once).map(Some)
     }
+}
+
+fn of_map<T: DeserializeOwned>(map: &Map<String, Value>) -> Result<T, LinkError> {
+    json::of_tree(map).map_err(|error| LinkError::Damaged(json::without_position(&error)))
 }
 
 fn damaged(error: impl ToString) -> LinkError {
     LinkError::Damaged(error.to_string())
-}
-
-fn json_of(value: &impl Serialize) -> Value {
-    serde_json::to_value(value)
-        .expect("strings and numbers alone, with string keys, always serialise")
 }
 
 fn as_map(value: Value) -> Map<String, Value> {
@@ -229,14 +227,13 @@ fn as_map(value: Value) -> Map<String, Value> {
 fn difference(value: Value, default: &Value) -> Option<Value> {
     match value {
         same if same == *default => None,
-        Value::Object(map) => Some(Value::Object(
-            map.into_iter()
-                .filter_map(|(key, value)| {
-                    let changed = difference(value, default.get(&key).unwrap_or(&Value::Null))?;
-                    Some((key, changed))
-                })
-                .collect(),
-        )),
+        Value::Object(map) => {
+            let changed = map.into_iter().filter_map(|(key, value)| {
+                let changed = difference(value, default.get(&key).unwrap_or(&Value::Null))?;
+                Some((key, changed))
+            });
+            Some(Value::Object(json::object(changed)))
+        }
         changed => Some(changed),
     }
 }
@@ -246,10 +243,12 @@ fn rounded(value: Value) -> Value {
     match value {
         Value::Number(number) if number.is_f64() => {
             let number = number.as_f64().unwrap_or_default();
-            json!(format!("{number:.6e}").parse::<f64>().unwrap_or(number))
+            tree!(format!("{number:.6e}").parse::<f64>().unwrap_or(number))
         }
         Value::Array(list) => list.into_iter().map(rounded).collect(),
-        Value::Object(map) => map.into_iter().map(|(key, v)| (key, rounded(v))).collect(),
+        Value::Object(map) => Value::Object(json::object(
+            map.into_iter().map(|(key, v)| (key, rounded(v))),
+        )),
         other => other,
     }
 }

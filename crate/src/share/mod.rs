@@ -29,10 +29,12 @@ pub use document::{Document, DocumentError, DocumentFormat};
 pub use one_file::{Viewer, document_in, one_file};
 pub use sightlines::Sightlines;
 
+use std::io::Read;
+
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use miniz_oxide::deflate::compress_to_vec;
-use miniz_oxide::inflate::{TINFLStatus, decompress_to_vec_with_limit};
+use flate2::read::DeflateEncoder;
+use flate2::{Compression, Decompress, FlushDecompress, Status};
 
 use crate::export::ReconstructionResult;
 use crate::pipeline::Settings;
@@ -149,16 +151,33 @@ pub fn encode(
 }
 
 fn fragment(head: &Head, columns: &Columns) -> Result<String, LinkError> {
-    const BEST: u8 = 9;
     let payload = columns.behind(&head.to_json());
-    let fragment = format!(
-        "{PREFIX}{}",
-        URL_SAFE_NO_PAD.encode(compress_to_vec(&payload, BEST))
-    );
+    let fragment = format!("{PREFIX}{}", URL_SAFE_NO_PAD.encode(deflated(&payload)));
     if payload.len() > MOST_INFLATED || fragment.len() > LONGEST {
         return Err(LinkError::TooLong);
     }
     Ok(fragment)
+}
+
+fn deflated(payload: &[u8]) -> Vec<u8> {
+    let mut deflated = Vec::new();
+    DeflateEncoder::new(payload, Compression::best())
+        .read_to_end(&mut deflated)
+        .expect("bytes in memory can be read");
+    deflated
+}
+
+fn inflated(deflated: &[u8]) -> Result<Vec<u8>, LinkError> {
+    let mut payload = Vec::with_capacity(MOST_INFLATED);
+    let told =
+        Decompress::new(false).decompress_vec(deflated, &mut payload, FlushDecompress::Finish);
+    match told {
+        Ok(Status::StreamEnd) => Ok(payload),
+        Ok(_) if payload.len() == payload.capacity() => Err(LinkError::Damaged(
+            "it holds more than any link does".to_owned(),
+        )),
+        _ => Err(LinkError::Damaged("it does not inflate".to_owned())),
+    }
 }
 
 /// Opens a link's fragment, with or without its `#`. Whatever the fragment is, memory stays below a few
@@ -174,12 +193,7 @@ pub fn decode(fragment: &str) -> Result<Shared, LinkError> {
     let deflated = URL_SAFE_NO_PAD
         .decode(text)
         .map_err(|error| LinkError::Damaged(error.to_string()))?;
-    let payload = decompress_to_vec_with_limit(&deflated, MOST_INFLATED).map_err(|error| {
-        LinkError::Damaged(match error.status {
-            TINFLStatus::HasMoreOutput => "it holds more than any link does".to_owned(),
-            _ => "it does not inflate".to_owned(),
-        })
-    })?;
+    let payload = inflated(&deflated)?;
     let (head, mut columns) = columns::split(&payload)?;
     let head = Head::from_json(head)?;
     let settings = head.settings()?;

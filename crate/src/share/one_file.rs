@@ -1,8 +1,11 @@
 //! The one-file page: the viewer with a document in it.
 
+use std::io::Read;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use miniz_oxide::deflate::compress_to_vec_zlib;
+use flate2::Compression;
+use flate2::read::ZlibEncoder;
 
 use super::document::{Document, DocumentError};
 
@@ -19,7 +22,7 @@ const TITLE: &str = "<title>Snellius</title>";
 /// Where the module goes.
 const MODULE: &str = "<!-- snellius:module -->";
 /// How hard it is compressed: what is beyond takes twice the time for one part in a hundred.
-const LEVEL: u8 = 9;
+const LEVEL: u32 = 9;
 /// Where the document goes.
 const PLACE: &str = "<!-- snellius:data -->";
 /// What stands before and behind the document. Readers of every version look for this.
@@ -55,7 +58,11 @@ pub fn document_in(page: &str) -> Result<Document, DocumentError> {
 
 /// A module as a page holds it: the base64 of the deflated bytes.
 fn as_text(module: &[u8]) -> String {
-    let packed = STANDARD.encode(compress_to_vec_zlib(module, LEVEL));
+    let mut deflated = Vec::new();
+    ZlibEncoder::new(module, Compression::new(LEVEL))
+        .read_to_end(&mut deflated)
+        .expect("bytes in memory can be read");
+    let packed = STANDARD.encode(deflated);
     format!(r#"<script type="text/plain" id="snellius-wasm">{packed}</script>"#)
 }
 

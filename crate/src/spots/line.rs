@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Difference, Noise, Spot, SpotSettings, Spots};
 use crate::rig::Profiles;
-use crate::robust::{median, sort_by_number};
+use crate::robust::{median, sort_by_number, sort_stably};
 use crate::scan::PicturePair;
 
 /// What a view shows of a sheet's line. Its points are the view's spots, curve by curve.
@@ -399,7 +399,7 @@ fn chains(
         .map(|chain| without_ends(&straightened(chain), sigma, count));
     let mut found: Vec<_> = whole.filter(|chain| is_line(chain, settings)).collect();
     let first = |chain: &[RidgePoint]| (chain[0].lane, chain[0].at);
-    found.sort_by(|a, b| {
+    sort_stably(&mut found, |a, b| {
         let (a, b) = (first(a), first(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });

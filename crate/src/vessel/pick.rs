@@ -3,6 +3,7 @@
 use crate::camera::Pixel;
 use crate::geometry::{Camera, Direction, Point};
 use crate::rig::{Calibration, CalibrationSigma, LitPoint, Rig};
+use crate::robust::sort_stably;
 use crate::spots::{Spot, SpotRole, Spots};
 
 /// A spot near the epipolar line, taken for a point of the beam in air.
@@ -37,7 +38,9 @@ pub(super) fn along_epipolar_line(rig: &Rig, spots: &Spots, tolerance: f64) -> V
         })
         .filter(|c| c.said || c.off_line.is_some_and(|off| off.abs() <= tolerance))
         .collect();
-    candidates.sort_by(|a, b| b.said.cmp(&a.said).then(a.along.total_cmp(&b.along)));
+    sort_stably(&mut candidates, |a, b| {
+        b.said.cmp(&a.said).then(a.along.total_cmp(&b.along))
+    });
     candidates
 }
 

@@ -293,9 +293,8 @@ impl Packing {
     /// the archive says where they are missing.
     fn of(manifest: &Manifest, written: Vec<u8>, files: &Files, folder: &str) -> Self {
         let views = manifest.views.iter();
-        let names: BTreeSet<&String> = views
-            .flat_map(|view| view.off.iter().chain([&view.on]))
-            .collect();
+        let mut names = BTreeSet::<&String>::new();
+        names.extend(views.flat_map(|view| view.off.iter().chain([&view.on])));
         let there = names.into_iter().filter_map(|name| {
             let file = files.get(&format!("{folder}{name}"))?;
             Some((name.clone(), file.clone()))
@@ -350,11 +349,12 @@ fn of_folder(files: &Files) -> Result<Packing, Problem> {
 fn files(list: &Array) -> Files {
     let list: Vec<JsValue> = list.iter().collect();
     let pairs = list.chunks_exact(2);
-    let pairs = pairs.filter_map(|pair| {
+    let mut files = Files::new();
+    files.extend(pairs.filter_map(|pair| {
         let file = pair[1].dyn_ref::<Blob>()?;
         Some((pair[0].as_string()?, file.clone()))
-    });
-    pairs.collect()
+    }));
+    files
 }
 
 fn reader(file: &Blob) -> Result<BufReader<BlobReader>, Problem> {

@@ -5,6 +5,7 @@ use super::radius;
 use super::view::View;
 use crate::geometry::Point;
 use crate::plot::{Axis, Dot, Figure, Ink, Layer, PlotError};
+use crate::robust::sort_by_number;
 
 /// A round wall is unrolled; any other is seen from the rig.
 pub(super) fn figure(result: &ReconstructionResult) -> Result<Figure, PlotError> {
@@ -59,7 +60,7 @@ fn on_wall(view: &View, unrolled: Option<f64>, point: [f64; 3]) -> [f64; 2] {
 /// One wild point shall not take the colours from all others: they end a little beyond nine tenths.
 fn usual_most(sizes: impl Iterator<Item = f64>) -> f64 {
     let mut sizes: Vec<f64> = sizes.collect();
-    sizes.sort_by(f64::total_cmp);
+    sort_by_number(&mut sizes, |size| *size);
     let ninth = sizes.get(sizes.len() * 9 / 10).copied();
     (1.5 * ninth.unwrap_or_default()).max(1e-6)
 }
