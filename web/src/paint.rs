@@ -1,6 +1,6 @@
 //! Pixels onto a canvas.
 
-use js_sys::{Object, Reflect, Uint8ClampedArray};
+use js_sys::Uint8ClampedArray;
 use wasm_bindgen::prelude::*;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
 
@@ -14,11 +14,7 @@ pub(crate) fn paint(
 ) -> Result<(), JsValue> {
     canvas.set_width(width);
     canvas.set_height(height);
-    // A canvas that is read often has its pixels in the page's own memory. Any other asks the graphics process for
-    // room, and the page's thread waits until that has drawn what it was told before.
-    let wishes = Object::new();
-    Reflect::set(&wishes, &"willReadFrequently".into(), &true.into())?;
-    let context = canvas.get_context_with_context_options("2d", &wishes)?;
+    let context = canvas.get_context("2d")?;
     let context: CanvasRenderingContext2d = context.ok_or("no context")?.unchecked_into();
     let image = ImageData::new_with_js_u8_clamped_array_and_sh(pixels, width, height)?;
     context.put_image_data(&image, 0.0, 0.0)
