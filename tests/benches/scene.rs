@@ -3,7 +3,7 @@
 //!
 //! `cargo bench -p snellius-tests --bench scene -- [SCAN.zip | COPIES]`, after `cargo xtask dist`. Without a scan
 //! the sample of a line laser is taken so many times, each copy a little further along the wall: 108 copies give
-//! a million points, 455 give 10,000 views.
+//! a million spots and 334,000 points, 455 give 10,000 views.
 #![allow(clippy::print_stdout, reason = "it is what a benchmark is for")]
 
 use std::{
@@ -19,10 +19,10 @@ use snellius_tests::{
     workbench::{Workbench, with_workbench},
 };
 
-/// Reading a scan of a million points on a busy machine.
+/// Reading a scan of a million spots on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
-/// As many copies of the sample as make a million points.
+/// As many copies of the sample as make a million spots.
 const COPIES: usize = 108;
 
 /// Notes every frame that keeps the page's thread for long, and what it does meanwhile.
