@@ -58,6 +58,15 @@ const PROBE: &str = "(() => {
     }, true);
 })()";
 
+/// The page tells a few times a second how many views are done: when it does next, seconds, how many, of how many.
+const NEXT_COUNT: &str = "(bar => new Promise(told => {
+    const before = bar?.value;
+    const look = () => bar?.isConnected && bar.value === before
+        ? setTimeout(look, 5)
+        : told([performance.now() / 1000, bar?.value, bar?.max]);
+    look();
+}))(document.querySelector('[data-testid=progress]'))";
+
 const PHASES: [(&str, &str); 4] = [
     ("opening", "opening"),
     ("spots", "spots"),
@@ -162,18 +171,13 @@ fn part_of_a_run(site: &Site, scan: &Path, workers: u32) -> Result<f64> {
         );
         page.wait_long(LONG, "the first views", &begun)?;
         let count = || -> Result<(f64, f64, f64)> {
-            let now = format!(
-                "(bar => [performance.now() / 1000, bar?.value, bar?.max])(document.querySelector('{}'))",
-                part("progress")
-            );
-            let now = page.value_of(&now)?;
+            let now = page.value_of(NEXT_COUNT)?;
             let number = |at: usize| now[at].as_f64().context("the run has ended already");
             Ok((number(0)?, number(1)?, number(2)?))
         };
         let from = count()?;
         let mut to = from;
         while to.0 < from.0 + WINDOW && to.1 < MOST * to.2 {
-            std::thread::sleep(Duration::from_millis(100));
             to = count()?;
         }
         workbench.click("cancel")?;

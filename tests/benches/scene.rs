@@ -3,7 +3,7 @@
 //!
 //! `cargo bench -p snellius-tests --bench scene -- [SCAN.zip | COPIES]`, after `cargo xtask dist`. Without a scan
 //! the sample of a line laser is taken so many times, each copy a little further along the wall: 108 copies give
-//! a million points, 455 give 10,000 views.
+//! a million spots and 334,000 points, 455 give 10,000 views.
 #![allow(clippy::print_stdout, reason = "it is what a benchmark is for")]
 
 use std::{
@@ -19,10 +19,10 @@ use snellius_tests::{
     workbench::{Workbench, with_workbench},
 };
 
-/// Reading a scan of a million points on a busy machine.
+/// Reading a scan of a million spots on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
-/// As many copies of the sample as make a million points.
+/// As many copies of the sample as make a million spots.
 const COPIES: usize = 108;
 
 /// Notes every frame that keeps the page's thread for long, and what it does meanwhile.
@@ -35,6 +35,19 @@ const WATCH: &str = "(() => {
         `${Math.round(frame.startTime)}: ${Math.round(frame.duration)} ms, blocked ${Math.round(frame.blockingDuration)}, `
         + frame.scripts.map(({ invoker, duration, forcedStyleAndLayoutDuration: layout }) =>
             `${invoker.slice(-40)} ${Math.round(duration)} (layout ${Math.round(layout)})`).join('; ')));
+})()";
+
+/// Counts the points that are drawn, and notes when something was drawn last.
+const COUNT: &str = "(() => {
+    window.points = 0;
+    window.drawnAt = 0;
+    const graphics = WebGL2RenderingContext.prototype;
+    const draw = graphics.drawArrays;
+    graphics.drawArrays = function (kind, first, count) {
+        if (kind === this.POINTS) points += count;
+        drawnAt = performance.now();
+        return draw.call(this, kind, first, count);
+    };
 })()";
 
 /// What a hand does in the scene, and the times it takes, ms: between frames that are asked for one by one.
@@ -75,6 +88,23 @@ const TURN: &str = "
     const turned = await times(60, i => send('pointermove', 300 + 3 * i, 100));
     send('pointerup', 480, 100);
     return turned;
+";
+
+/// Turns a little, and waits until nothing more is drawn: how long that takes after the last turn, ms, and how
+/// many points there are then.
+const FILL: &str = "
+    const known = [];
+    for (let i = 0; i < 3; i++) {
+        send('pointerdown', 300, 100);
+        await times(5, i => send('pointermove', 300 + 3 * i, 100));
+        const begun = performance.now();
+        points = 0;
+        send('pointermove', 330, 110);
+        send('pointerup', 330, 110);
+        do await pause(100); while (performance.now() - drawnAt < 1500);
+        known.push(drawnAt - begun);
+    }
+    return known.sort((a, b) => a - b);
 ";
 
 const BRUSH: &str = "
@@ -129,6 +159,7 @@ fn main() -> Result<()> {
 fn measure(workbench: &Workbench, scan: &Path) -> Result<()> {
     let page = workbench.page;
     page.value_of(WATCH)?;
+    page.value_of(COUNT)?;
     let start = Instant::now();
     workbench.choose(scan)?;
     workbench.wait_state("running", PATIENCE)?;
@@ -169,6 +200,8 @@ fn measure(workbench: &Workbench, scan: &Path) -> Result<()> {
     println!("memory of the page's heap: {} MB", megabytes(page)?);
     println!("WebGL: {}", renderer(page)?);
     report(page, "a frame of the turning scene", TURN)?;
+    report(page, "from the last turn to the whole picture", FILL)?;
+    println!("points of the whole picture: {}", page.value_of("points")?);
     report(page, "a frame under the range brush", BRUSH)?;
     report(page, "the longest task at another colour", COLOURS)?;
     report(page, "picking a point", PICK)?;

@@ -541,6 +541,39 @@ fn pictures_and_folders_of_pictures_lead_to_the_form() -> Result<()> {
 }
 
 #[test]
+fn all_pairs_are_listed_however_many_there_are() -> Result<()> {
+    const PAIRS: usize = 700;
+    let parts = Parts::of(&jar()?)?;
+    let picture = parts.path("scan/images/0000-on.png");
+    let many = parts.path("many");
+    fs::create_dir(&many)?;
+    for pair in 0..PAIRS {
+        for light in ["on", "off"] {
+            fs::hard_link(&picture, many.join(format!("{pair:04}-{light}.png")))?;
+        }
+    }
+    with_workbench("make-many", |workbench| {
+        let page = workbench.page;
+        page.drop_files(&part("drop-zone"), &[many.as_path()])?;
+        page.wait_text(&part("part-pictures"), &format!("{PAIRS} pairs"))?;
+        page.click("[data-testid=pairs] > summary")?;
+        page.wait_text(".making-pairs tbody tr:first-child", "0000-on.png")?;
+        page.value_of(
+            "(frame => { frame.scrollTop = frame.scrollHeight })(document.querySelector('.making-pairs'))",
+        )?;
+        let last = ".making-pairs tbody tr:last-child";
+        page.wait_text(last, "0699-off.png")?;
+        page.wait_until(
+            "the last pair's pictures",
+            &format!("[...document.querySelectorAll('{last} canvas')].every(one => one.width > 0)"),
+        )?;
+        let made = page.count(".making-pairs tbody tr")?;
+        ensure!(made < 100, "{made} rows are made of {PAIRS}");
+        page.screenshot("making-many-pairs").map(drop)
+    })
+}
+
+#[test]
 fn the_form_is_filled_in_by_keyboard_alone() -> Result<()> {
     with_workbench("make-by-keyboard", |workbench| {
         let page = workbench.page;

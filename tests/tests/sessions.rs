@@ -29,24 +29,23 @@ fn result(workbench: &Workbench) -> Result<Value> {
     )?)
 }
 
-/// Waits until an archive of that many bytes is kept whole, and spots that were found at two times.
-fn wait_begun(page: &Page, bytes: u64) -> Result<()> {
-    let promise = format!(
-        "(async () => {{
-            const root = await navigator.storage.getDirectory();
-            const read = async (folder, name) => (await folder.getFileHandle(name)).getFile();
-            try {{
-                const sessions = await root.getDirectoryHandle('sessions');
-                for await (const folder of sessions.values()) {{
-                    const archive = await read(folder, 'scan.zip');
-                    const second = await read(folder, 'found-000001');
-                    return archive.size === {bytes} && second.size > 0;
-                }}
-            }} catch {{}}
-            return false;
-        }})()"
-    );
-    wait_promise(page, "the scan and some spots to be kept", &promise)
+/// Waits until the archive is kept whole, and spots that were found at two times.
+fn wait_begun(page: &Page) -> Result<()> {
+    let promise = "(async () => {
+        const root = await navigator.storage.getDirectory();
+        const read = async (folder, name) => (await folder.getFileHandle(name)).getFile();
+        try {
+            const sessions = await root.getDirectoryHandle('sessions');
+            for await (const folder of sessions.values()) {
+                const archive = await read(folder, 'scan.zip');
+                const record = JSON.parse(await (await read(folder, 'session.json')).text());
+                const second = await read(folder, 'found-000001');
+                return archive.size === record.archive_bytes && second.size > 0;
+            }
+        } catch {}
+        return false;
+    })()";
+    wait_promise(page, "the scan and some spots to be kept", promise)
 }
 
 /// Loads the page anew and goes on with the only session.
@@ -200,11 +199,8 @@ fn long_scan(at: &Path, times: usize) -> Result<usize> {
     Ok(views.len() * times)
 }
 
-#[test]
-fn a_browser_killed_in_the_middle_of_a_run_goes_on() -> Result<()> {
-    let folder = tempfile::tempdir()?;
-    let archive = folder.path().join("long.zip");
-    let views = long_scan(&archive, 20)?;
+/// Opens a scan of so many views, kills the browser in the middle of the run, and goes on.
+fn killed_and_gone_on(views: usize, open: impl FnOnce(&Workbench) -> Result<()>) -> Result<()> {
     let site = Site::at_root(&places::dist()?)?;
     let mut browser = Browser::start()?;
     {
@@ -212,8 +208,8 @@ fn a_browser_killed_in_the_middle_of_a_run_goes_on() -> Result<()> {
         page.open(&site.url())?;
         let workbench = Workbench { page: &page };
         workbench.wait_state("start", PATIENCE)?;
-        workbench.choose(&archive)?;
-        wait_begun(&page, std::fs::metadata(&archive)?.len())?;
+        open(&workbench)?;
+        wait_begun(&page)?;
         let state = workbench.state()?;
         ensure!(
             state == "running",
@@ -247,6 +243,57 @@ fn a_browser_killed_in_the_middle_of_a_run_goes_on() -> Result<()> {
     workbench.wait_state("done", RECONSTRUCTION)?;
     ensure!(page.problems().is_empty(), "{:#?}", page.problems());
     Ok(())
+}
+
+#[test]
+fn a_browser_killed_in_the_middle_of_a_run_goes_on() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let archive = folder.path().join("long.zip");
+    let views = long_scan(&archive, 20)?;
+    killed_and_gone_on(views, |workbench| workbench.choose(&archive))
+}
+
+/// A sample's, or another scan's, files in a folder of that name.
+fn unpacked(archive: &Path, folder: &Path) -> Result<()> {
+    Ok(zip::ZipArchive::new(std::fs::File::open(archive)?)?.extract(folder)?)
+}
+
+#[test]
+fn a_dropped_folder_is_gone_on_with_after_the_browser_was_killed() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let archive = folder.path().join("long.zip");
+    let views = long_scan(&archive, 20)?;
+    let scan = folder.path().join("long");
+    unpacked(&archive, &scan)?;
+    killed_and_gone_on(views, |workbench| {
+        workbench
+            .page
+            .drop_files(&part("drop-zone"), &[scan.as_path()])
+    })
+}
+
+#[test]
+fn a_dropped_folder_without_room_is_told_and_asked_for_again() -> Result<()> {
+    let archive = tank()?;
+    let expected: Value = serde_json::from_slice(&Output::of(&archive, &[])?.file("result.json")?)?;
+    let folder = tempfile::tempdir()?;
+    let scan = folder.path().join("tank");
+    unpacked(&archive, &scan)?;
+    with_workbench("session-folder-without-room", |workbench| {
+        let page = workbench.page;
+        wait_cached(page)?;
+        page.leave_room(2_000_000)?;
+        page.drop_files(&part("drop-zone"), &[scan.as_path()])?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+        page.wait_text(&part("not-kept"), "will ask for the folder")?;
+        wait_kept(page, "Measured")?;
+        page.reload()?;
+        page.wait_text(&part("sessions"), "no copy of its folder is kept")?;
+        page.choose_files(&part("folder-again"), &[scan.as_path()])?;
+        workbench.wait_state("done", RECONSTRUCTION)?;
+        ensure!(result(workbench)? == expected, "the result is another");
+        Ok(())
+    })
 }
 
 #[test]

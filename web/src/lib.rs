@@ -21,6 +21,7 @@ mod legend;
 mod making;
 mod measuring;
 mod number;
+mod paint;
 mod pictures;
 mod plots;
 mod problem_note;

@@ -5,12 +5,10 @@ use leptos::prelude::*;
 use snellius::export::Status;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
-use web_sys::{
-    CanvasRenderingContext2d, Element, HtmlCanvasElement, HtmlElement, ImageData, KeyboardEvent,
-    ResizeObserver,
-};
+use web_sys::{Element, HtmlCanvasElement, HtmlElement, KeyboardEvent, ResizeObserver};
 
-use crate::run::{Thumbnail, sleep};
+use crate::paint::paint_small;
+use crate::run::sleep;
 use crate::state::Workbench;
 
 /// How far it is from one thumbnail to the next, and where the first is, px; the style sheet says so too.
@@ -162,25 +160,10 @@ fn fetch(workbench: Workbench, view: usize, canvas: HtmlCanvasElement) {
         if canvas.is_connected()
             && let Some(Ok(thumbnail)) = workbench.thumbnail(view).await
         {
-            paint(&canvas, &thumbnail);
+            // A canvas that shows nothing says enough.
+            let _ = paint_small(&canvas, &thumbnail);
         }
     });
-}
-
-/// Paints a small picture.
-pub(crate) fn paint(canvas: &HtmlCanvasElement, thumbnail: &Thumbnail) {
-    canvas.set_width(thumbnail.width);
-    canvas.set_height(thumbnail.height);
-    let context = canvas.get_context("2d").ok().flatten();
-    let context = context.and_then(|c| c.dyn_into::<CanvasRenderingContext2d>().ok());
-    let image = ImageData::new_with_js_u8_clamped_array_and_sh(
-        &thumbnail.pixels,
-        thumbnail.width,
-        thumbnail.height,
-    );
-    if let (Some(context), Ok(image)) = (context, image) {
-        let _ = context.put_image_data(&image, 0.0, 0.0);
-    }
 }
 
 /// Left, right, Home and End.

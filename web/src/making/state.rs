@@ -2,6 +2,7 @@
 //! something else is shown, and when something goes wrong.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -162,6 +163,15 @@ impl Making {
             pictures,
             calibration: file(self.calibration.get_untracked()),
             poses: file(self.poses.get_untracked()),
+        }
+    }
+
+    /// Some of the views that were drafted last, as far as there are so many.
+    pub(super) async fn views(self, wanted: Range<usize>) -> Result<Vec<ViewShown>, Problem> {
+        let hand = self.hand().await?;
+        match hand.make(MakeRequest::Views(wanted)).await? {
+            MakeReply::Views(views) => Ok(views),
+            _ => Err(unexpected()),
         }
     }
 

@@ -1,5 +1,7 @@
 //! The views that the pictures make, each with its pair of pictures, small, and with what is behind the wall.
 
+use std::ops::Range;
+
 use leptos::html;
 use leptos::prelude::*;
 use snellius::compose::ViewNumbers;
@@ -9,38 +11,38 @@ use web_sys::{HtmlCanvasElement, MouseEvent};
 use super::form::of_draft;
 use super::state::Making;
 use crate::in_sight::{Sight, letter};
+use crate::paint::paint_small;
 use crate::run::{ViewShown, sleep};
 use crate::state::Workbench;
-use crate::strip::paint;
 
 /// How high a row is, in the page's letters; `making.css` says the same.
 const ROW: f64 = 4.0;
 
-/// The list. Only rows in sight are made, and only their pictures decoded.
+/// The list. Only rows in sight are asked for and made, and only their pictures decoded.
 #[component]
 pub(super) fn ViewList() -> impl IntoView {
     let making = Workbench::get().making;
-    let views =
-        Memo::new(move |_| of_draft(making, |drafted| drafted.views.clone()).unwrap_or_default());
-    let listed = Memo::new(move |_| views.with(Vec::len));
-    let all =
+    let count =
         Memo::new(move |_| of_draft(making, |drafted| drafted.view_count).unwrap_or_default());
     let sight = Sight::new((ROW * letter()).round() as i32);
     let made = Memo::new(move |_| match sight.is_open() {
-        true => sight.parts(listed.get()),
+        true => sight.parts(count.get()),
         false => 0..0,
     });
-    let rows = move || {
+    let rows = RwSignal::new(Vec::new());
+    Effect::new(move |_| {
+        making.drafted.track();
         let made = made.get();
-        let rows = views.with(|views| views.get(made.clone()).map(<[_]>::to_vec));
-        made.zip(rows.unwrap_or_default()).collect::<Vec<_>>()
-    };
+        if !made.is_empty() {
+            ask(making, made, rows);
+        }
+    });
     let last = StoredValue::new(None::<usize>);
     view! {
         <details
             class="making-list"
             data-testid="pairs"
-            hidden=move || listed.get() == 0
+            hidden=move || count.get() == 0
             on:toggle=move |_| sight.look()
         >
             <summary>"The pairs"</summary>
@@ -53,7 +55,7 @@ pub(super) fn ViewList() -> impl IntoView {
                 on:scroll=move |_| sight.look()
             >
                 <div
-                    style:min-height=move || sight.length(listed.get())
+                    style:min-height=move || sight.length(count.get())
                     style:padding-top=move || sight.length(made.get().start)
                 >
                     <table class:asks-air=move || asks_air(making).is_some()>
@@ -66,21 +68,25 @@ pub(super) fn ViewList() -> impl IntoView {
                             </tr>
                         </thead>
                         <tbody>
-                            <For each=rows key=Clone::clone let((number, view))>
+                            <For each=move || rows.get() key=Clone::clone let((number, view))>
                                 {row(making, number, view, last)}
                             </For>
                         </tbody>
                     </table>
                 </div>
             </div>
-            <p class="help">
-                {move || match all.get() {
-                    all if all > listed.get() => format!("The first {} of {all} are listed.", listed.get()),
-                    _ => String::new(),
-                }}
-            </p>
         </details>
     }
+}
+
+/// Asks for the views of some rows. A worker that gives none says why at the next answer.
+fn ask(making: Making, made: Range<usize>, rows: RwSignal<Vec<(usize, ViewShown)>>) {
+    spawn_local(async move {
+        if let Ok(views) = making.views(made.clone()).await {
+            // The form may have been left by now.
+            let _ = rows.try_set(made.zip(views).collect());
+        }
+    });
 }
 
 fn row(
@@ -146,9 +152,9 @@ fn fetch(making: Making, view: ViewShown, on: HtmlCanvasElement, off: Option<Htm
         }
         // A picture that cannot be read says so when the scan is measured.
         if let Ok((small_on, small_off)) = making.thumbnails(view).await {
-            paint(&on, &small_on);
+            let _ = paint_small(&on, &small_on);
             if let Some((off, small)) = off.zip(small_off) {
-                paint(&off, &small);
+                let _ = paint_small(&off, &small);
             }
         }
     });

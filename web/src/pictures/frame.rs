@@ -3,13 +3,11 @@
 use leptos::html;
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
-use web_sys::{
-    CanvasRenderingContext2d, Element, HtmlCanvasElement, ImageData, KeyboardEvent, PointerEvent,
-    WheelEvent,
-};
+use web_sys::{Element, KeyboardEvent, PointerEvent, WheelEvent};
 
 use super::Sheet;
 use super::overlay::{Note, Overlay};
+use crate::paint::paint;
 use crate::run::PictureSet;
 
 pub(super) fn frame(
@@ -29,7 +27,8 @@ pub(super) fn frame(
             let pixels = of(set);
             missing.set(pixels.is_none());
             if let Some(pixels) = pixels {
-                paint(&canvas, set, &pixels);
+                // A frame that shows nothing says enough.
+                let _ = paint(&canvas, [set.width, set.height], &pixels);
             }
         });
     });
@@ -88,19 +87,6 @@ pub(super) fn frame(
                 </Show>
             </div>
         </figure>
-    }
-}
-
-fn paint(canvas: &HtmlCanvasElement, set: &PictureSet, pixels: &js_sys::Uint8ClampedArray) {
-    canvas.set_width(set.width);
-    canvas.set_height(set.height);
-    let context = canvas.get_context("2d").ok().flatten();
-    let Some(context) = context.and_then(|c| c.dyn_into::<CanvasRenderingContext2d>().ok()) else {
-        return;
-    };
-    if let Ok(image) = ImageData::new_with_js_u8_clamped_array_and_sh(pixels, set.width, set.height)
-    {
-        let _ = context.put_image_data(&image, 0.0, 0.0);
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufReader, Read};
+use std::ops::Range;
 
 use js_sys::Array;
 use serde::{Deserialize, Serialize};
 use snellius::compose::{
-    Answers, Composed, Draft, Key, Packer, Part, Piece, QUESTIONS, Question, QuestionKind,
+    Answers, Composed, Draft, Key, Packer, Pair, Part, Piece, QUESTIONS, Question, QuestionKind,
     picture_size,
 };
 use snellius::scan::{MANIFEST_NAME, Manifest, Picture, WriteError};
@@ -21,7 +22,7 @@ use super::problem::Problem;
 /// How much of a picture is read at a time.
 const READ_AHEAD: usize = 1 << 20;
 
-/// How many views, and how many pictures without a partner, are listed.
+/// How many pictures without a partner are listed.
 const LISTED: usize = 500;
 
 /// What a worker can be asked.
@@ -39,6 +40,8 @@ pub(crate) enum MakeRequest {
     },
     /// Say what is missing with these answers. Answered by `Drafted`.
     Draft(BTreeMap<String, String>),
+    /// Tell some of the views that were drafted last. Answered by `Views`.
+    Views(Range<usize>),
     /// Decode two of the pictures, small: with the laser on, and with it off. Answered by `Thumbnails`.
     Thumbnails { on: String, off: Option<String> },
     /// Begin to pack what was drafted last. Answered by `ToDo`.
@@ -56,6 +59,7 @@ pub(crate) enum MakeRequest {
 pub(crate) enum MakeReply {
     Done,
     Drafted(Box<Drafted>),
+    Views(Vec<ViewShown>),
     Thumbnails(Thumbnail, Option<Thumbnail>),
     /// How many files there are to be packed.
     ToDo(usize),
@@ -68,9 +72,7 @@ pub(crate) struct Drafted {
     pub(crate) parts: Vec<PartShown>,
     /// How many views the pictures make.
     pub(crate) view_count: usize,
-    /// The first few hundred of them.
-    pub(crate) views: Vec<ViewShown>,
-    /// Picture, and what it lacks: likewise.
+    /// The first few hundred pictures without a partner, and what each lacks.
     pub(crate) unpaired: Vec<[String; 2]>,
     /// The question whose answer tells the views in air, if it is asked.
     pub(crate) asks_air: Option<String>,
@@ -83,6 +85,16 @@ pub(crate) struct ViewShown {
     pub(crate) id: String,
     pub(crate) on: String,
     pub(crate) off: Option<String>,
+}
+
+impl ViewShown {
+    fn of(view: &Pair) -> Self {
+        Self {
+            id: view.id.clone(),
+            on: view.on.clone(),
+            off: view.off.clone(),
+        }
+    }
 }
 
 /// A part of the form.
@@ -152,18 +164,10 @@ impl Drafted {
                 invitation: part.invitation().map(str::to_owned),
             }
         });
-        let views = composed.views.iter().take(LISTED);
         let unpaired = composed.pairing.unpaired.iter().take(LISTED);
         Self {
             parts: parts.to_vec(),
             view_count: composed.views.len(),
-            views: views
-                .map(|view| ViewShown {
-                    id: view.id.clone(),
-                    on: view.on.clone(),
-                    off: view.off.clone(),
-                })
-                .collect(),
             unpaired: unpaired
                 .map(|one| [one.picture.clone(), one.lack.to_string()])
                 .collect(),
@@ -206,6 +210,7 @@ fn found(composed: &Composed, part: Part) -> String {
 pub(super) struct Maker {
     files: Files,
     draft: Draft,
+    views: Vec<Pair>,
     manifest: Option<Manifest>,
     packing: Option<Packing>,
 }
@@ -240,8 +245,13 @@ impl Maker {
                 self.draft.answers = Answers::new(answers);
                 let composed = self.draft.compose();
                 let drafted = Drafted::of(&composed);
+                self.views = composed.views;
                 self.manifest = composed.manifest;
                 Ok(MakeReply::Drafted(Box::new(drafted)))
+            }
+            MakeRequest::Views(wanted) => {
+                let views = self.views.get(wanted).unwrap_or_default();
+                Ok(MakeReply::Views(views.iter().map(ViewShown::of).collect()))
             }
             MakeRequest::Thumbnails { on, off } => {
                 let on = self.picture(&on)?;

@@ -238,8 +238,9 @@ impl Workers {
             self.news.take();
         }
         let at_hand = self.partly.borrow().1.clone();
-        let list = WorkList::new(views, at_hand, tell);
-        let work = (0..cores().min(views)).map(|number| {
+        let hands = cores().min(views);
+        let list = WorkList::new(views, hands, at_hand, tell);
+        let work = (0..hands).map(|number| {
             let list = &list;
             async move {
                 let hand = self.observer(number).await?;
@@ -321,17 +322,20 @@ fn cores() -> usize {
 /// The views still to be looked at, from which every hand takes the next when it is free.
 struct WorkList<T> {
     open: RefCell<VecDeque<usize>>,
+    hands: usize,
     found: RefCell<Vec<Option<WrittenSpots>>>,
     /// The first view that cannot be used, and why.
     failed: RefCell<Option<(usize, Problem)>>,
     done: Cell<usize>,
     at_hand: usize,
     begun: f64,
+    /// When it was told last how far this is, ms.
+    told: Cell<f64>,
     tell: T,
 }
 
 impl<T: Fn(Progress)> WorkList<T> {
-    fn new(views: usize, at_hand: BTreeMap<usize, WrittenSpots>, tell: T) -> Self {
+    fn new(views: usize, hands: usize, at_hand: BTreeMap<usize, WrittenSpots>, tell: T) -> Self {
         let done = at_hand.len();
         let mut found = vec![None; views];
         for (view, spots) in at_hand {
@@ -340,11 +344,13 @@ impl<T: Fn(Progress)> WorkList<T> {
         let open = (0..views).filter(|view| found[*view].is_none());
         let list = Self {
             open: RefCell::new(open.collect()),
+            hands,
             found: RefCell::new(found),
             failed: RefCell::new(None),
             done: Cell::new(done),
             at_hand: done,
             begun: super::now(),
+            told: Cell::new(f64::MIN),
             tell,
         };
         list.report();
@@ -352,21 +358,41 @@ impl<T: Fn(Progress)> WorkList<T> {
     }
 
     async fn work_off(&self, hand: &Hand, settings: Settings, note: impl Fn(usize, &WrittenSpots)) {
-        while let Some(view) = self.take() {
-            match hand.observe(view, settings).await {
-                Ok(spots) => {
-                    note(view, &spots);
-                    self.put(view, spots);
+        loop {
+            let views = self.take();
+            if views.is_empty() {
+                return;
+            }
+            for view in views.into_iter().take_while(|view| self.is_wanted(*view)) {
+                match hand.observe(view, settings).await {
+                    Ok(spots) => {
+                        note(view, &spots);
+                        self.put(view, spots);
+                    }
+                    Err(problem) => self.fail(view, problem),
                 }
-                Err(problem) => self.fail(view, problem),
             }
         }
     }
 
-    /// The next view, in their order; none after a failure.
-    fn take(&self) -> Option<usize> {
-        let view = self.open.borrow_mut().pop_front();
-        view.filter(|_| self.failed.borrow().is_none())
+    /// The next views, in their order; none after a failure. There are some at a time: they lie one after the
+    /// other in the archive, and what was read ahead for one serves the next. Towards the end there are fewer,
+    /// so that every hand has something to do.
+    fn take(&self) -> Vec<usize> {
+        const MOST: usize = 8;
+        let mut open = self.open.borrow_mut();
+        if self.failed.borrow().is_some() {
+            return Vec::new();
+        }
+        let count = (open.len() / (2 * self.hands)).clamp(1, MOST);
+        let count = count.min(open.len());
+        open.drain(..count).collect()
+    }
+
+    /// Whether no view before it has failed.
+    fn is_wanted(&self, view: usize) -> bool {
+        let failed = self.failed.borrow();
+        failed.as_ref().is_none_or(|(first, _)| view < *first)
     }
 
     fn put(&self, view: usize, spots: WrittenSpots) {
@@ -375,7 +401,7 @@ impl<T: Fn(Progress)> WorkList<T> {
         self.report();
     }
 
-    /// Every view before a failing one has been taken already and is finished, so of several failures
+    /// Every view before a failing one has been taken already and will be finished, so of several failures
     /// the same one is told each time, however many hands there are.
     fn fail(&self, view: usize, problem: Problem) {
         let mut failed = self.failed.borrow_mut();
@@ -384,12 +410,21 @@ impl<T: Fn(Progress)> WorkList<T> {
         }
     }
 
+    /// Tells how far this is, a few times a second: whatever is told is drawn, and to draw at every view takes
+    /// as long as to find its spots.
     fn report(&self) {
+        const PAUSE: f64 = 250.0;
+        let (now, views) = (super::now(), self.found.borrow().len());
+        let done = self.done.get();
+        if done < views && now - self.told.get() < PAUSE {
+            return;
+        }
+        self.told.set(now);
         (self.tell)(Progress {
-            done: self.done.get(),
+            done,
             at_hand: self.at_hand,
-            views: self.found.borrow().len(),
-            seconds: (super::now() - self.begun) / 1000.0,
+            views,
+            seconds: (now - self.begun) / 1000.0,
         });
     }
 

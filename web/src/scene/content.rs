@@ -150,13 +150,23 @@ impl Content {
         Some(self.measured.as_ref()?.vessel_point(index))
     }
 
-    /// All points, the object's first.
-    pub(super) fn points(&self) -> impl Iterator<Item = ScenePoint> {
+    /// Where all points are, the object's first, and where each would be without refraction.
+    pub(super) fn places(&self) -> impl Iterator<Item = [Vec3; 2]> {
         self.measured.iter().flat_map(|measured| {
-            let object = 0..measured.outcome.object.len();
-            let vessel = 0..measured.outcome.vessel.len();
-            let object = object.map(|index| measured.object_point(index));
-            object.chain(vessel.map(|index| measured.vessel_point(index)))
+            let Outcome { object, vessel, .. } = &*measured.outcome;
+            let object = object.iter().map(|p| [p.place, p.unrefracted]);
+            let both = object.chain(vessel.iter().map(|p| [p.place; 2]));
+            both.map(|places| places.map(shown))
+        })
+    }
+
+    /// A point by its number among the places.
+    pub(super) fn point(&self, number: usize) -> Option<ScenePoint> {
+        let measured = self.measured.as_ref()?;
+        let object = measured.outcome.object.len();
+        Some(match number.checked_sub(object) {
+            None => measured.object_point(number),
+            Some(index) => measured.vessel_point(index),
         })
     }
 

@@ -10,6 +10,7 @@ mod faces;
 mod gestures;
 mod grid;
 mod labels;
+mod layer;
 mod lines;
 mod orbit;
 mod pace;

@@ -2,7 +2,7 @@
 //! with and without refraction, and the graphics card goes from one to the other.
 //!
 //! A million points go to the card once, in batches, a few a frame. Each batch is an even sample of them all:
-//! what there is of it shows the whole, and while a hand turns the scene a part of the batches is enough.
+//! the first ones show the whole while a hand turns the scene, and the others are drawn to them afterwards.
 
 use std::rc::Rc;
 
@@ -38,12 +38,17 @@ pub(super) struct ScenePoint {
 impl ScenePoint {
     /// Where it is shown on the way from without (0) to with (1) refraction.
     pub(super) fn between(&self, refraction: f32) -> Vec3 {
-        self.unrefracted + (self.place - self.unrefracted) * refraction
+        between([self.place, self.unrefracted], refraction)
     }
 }
 
+/// On the way from without (0) to with (1) refraction.
+pub(super) fn between([place, unrefracted]: [Vec3; 2], refraction: f32) -> Vec3 {
+    unrefracted + (place - unrefracted) * refraction
+}
+
 /// How points are drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PointStyle {
     /// Diameter, device px.
     pub(super) size: f32,
@@ -86,6 +91,8 @@ pub(super) struct Points {
     count: usize,
     /// How many batches have their colours as they are to be.
     coloured: usize,
+    /// How many of them are drawn.
+    drawn: usize,
 }
 
 struct Batch {
@@ -103,6 +110,7 @@ impl Points {
             batches: Vec::new(),
             count: 0,
             coloured: 0,
+            drawn: 0,
         }
     }
 
@@ -121,6 +129,21 @@ impl Points {
     /// Whether all points are on the card as they are to be.
     pub(super) fn is_filled(&self) -> bool {
         self.coloured == self.wanted()
+    }
+
+    /// None of them is drawn any more.
+    pub(super) const fn wipe(&mut self) {
+        self.drawn = 0;
+    }
+
+    /// How many points are drawn, rounded up to whole batches.
+    pub(super) const fn drawn(&self) -> usize {
+        self.drawn * BATCH
+    }
+
+    /// Whether all points are drawn.
+    pub(super) fn is_drawn(&self) -> bool {
+        self.drawn == self.wanted()
     }
 
     /// How many batches there are to be.
@@ -163,8 +186,14 @@ impl Points {
         }
     }
 
-    /// Draws the points, or of too many an even sample of about `most`.
-    pub(super) fn draw(&self, matrix: Mat4, viewport: Viewport, style: PointStyle, most: usize) {
+    /// Draws points to those that are drawn, until there are about `most`: an even sample of them all.
+    pub(super) fn draw(
+        &mut self,
+        matrix: Mat4,
+        viewport: Viewport,
+        style: PointStyle,
+        most: usize,
+    ) {
         let program = &self.with.program;
         let states = RenderStates {
             blend: OVER,
@@ -180,7 +209,8 @@ impl Points {
             },
             ..Default::default()
         };
-        for batch in self.batches.iter().take(most.div_ceil(BATCH).max(1)) {
+        let there = most.div_ceil(BATCH).min(self.coloured);
+        for batch in self.batches.iter().take(there).skip(self.drawn) {
             program.use_uniform("world_to_clip", matrix);
             program.use_uniform("size", style.size);
             program.use_uniform("rim", Vec3::from(style.rim));
@@ -201,6 +231,7 @@ impl Points {
                 }
             });
         }
+        self.drawn = self.drawn.max(there);
     }
 }
 

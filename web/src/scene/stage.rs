@@ -5,9 +5,10 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use js_sys::Reflect;
-use three_d::{ClearState, Context, CoreError, InnerSpace, RenderTarget, Vec2, Viewport};
+use js_sys::{Promise, Reflect};
+use three_d::{Context, CoreError, InnerSpace, Mat4, Vec2, Viewport};
 use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::JsFuture;
 use web_sys::{
     Blob, HtmlCanvasElement, HtmlElement, WebGl2RenderingContext, WebGlContextAttributes,
     WebglLoseContext,
@@ -16,12 +17,13 @@ use web_sys::{
 use super::content::Content;
 use super::faces::Faces;
 use super::labels::Labels;
+use super::layer::Layer;
 use super::lines::{LineProgram, Lines};
 use super::orbit::Orbit;
 use super::pace::Pace;
 use super::palette::Palette;
 use super::picture::with_legend;
-use super::points::{PointProgram, PointStyle, Points, ScenePoint};
+use super::points::{PointProgram, PointStyle, Points, ScenePoint, between};
 use super::section::Slab;
 use crate::files::save_blob;
 use crate::measuring::Picked;
@@ -64,7 +66,9 @@ struct Inner {
     /// The number of the frame that the browser was asked for, until it comes.
     frame_asked_for: Cell<Option<i32>>,
     last_frame: Cell<f64>,
-    /// How many points it draws while it is in motion.
+    /// Whether the picture shows everything as it is.
+    is_up_to_date: Cell<bool>,
+    /// How many points it draws in a frame.
     pace: Pace,
     on_frame: RefCell<Option<FrameListener>>,
 }
@@ -95,6 +99,20 @@ struct Set {
     wall: Faces,
     /// How far refraction went when the chosen light was bent; nothing, and it is another one by now.
     light_at: Option<f32>,
+    /// The points, and these with everything else.
+    layers: Option<[Layer; 2]>,
+    /// How the points on their layer are seen.
+    seen: Option<Seen>,
+}
+
+/// How points are seen: as long as it is the same, those that are drawn need not be drawn again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    world_to_clip: Mat4,
+    object: PointStyle,
+    vessel: PointStyle,
+    /// Red, green, blue, opacity.
+    ground: [f32; 4],
 }
 
 impl Set {
@@ -147,6 +165,7 @@ impl Stage {
         graphics_started().await;
         // It takes the card long to change its size later.
         match_resolution(&canvas);
+        calm().await;
         let graphics = graphics(&canvas)?;
         caught_up(&graphics).await;
         let context = context(&graphics)?;
@@ -174,6 +193,8 @@ impl Stage {
             ellipsoids: lines(),
             wall,
             light_at: None,
+            layers: None,
+            seen: None,
         };
         let stage = Self(Rc::new(Inner {
             canvas,
@@ -188,6 +209,7 @@ impl Stage {
             fitted: Cell::new(None),
             frame_asked_for: Cell::new(None),
             last_frame: Cell::new(0.0),
+            is_up_to_date: Cell::new(false),
             pace: Pace::default(),
             on_frame: RefCell::new(None),
         }));
@@ -225,6 +247,7 @@ impl Stage {
             set.object.clear(object);
             set.vessel.clear(vessel);
         }
+        set.seen = None;
         set.stations.fill(&content.station_lines(&palette));
         set.grid.fill(&content.grid_lines(&palette));
         set.edges.fill(&content.wall_edges(&palette));
@@ -272,12 +295,6 @@ impl Stage {
         let mut orbit = self.0.orbit.get();
         change(&mut orbit);
         self.0.orbit.set(orbit);
-        self.moves();
-    }
-
-    /// Draws something that is in motion.
-    fn moves(&self) {
-        self.0.pace.moves();
         self.draw_soon();
     }
 
@@ -298,14 +315,14 @@ impl Stage {
     /// Hides points beyond these fractions of the colours.
     pub(super) fn hide_beyond(&self, range: [f32; 2]) {
         self.0.range.set(range);
-        self.moves();
+        self.draw_soon();
     }
 
     /// Shows a slab only.
     pub(super) fn cut(&self, section: Section) {
         let slab = self.0.set.borrow().content.slab(section);
         self.0.slab.set(slab);
-        self.moves();
+        self.draw_soon();
     }
 
     /// Draws error ellipsoids, so many times as large as they are, or none.
@@ -374,44 +391,56 @@ impl Stage {
     /// The point of object or wall that is nearest to a place of the canvas (CSS px), if one is near.
     pub(super) fn point_at(&self, place: Vec2) -> Option<ScenePoint> {
         const REACH: f32 = 14.0;
+        let reach = Cell::new(REACH);
         let mut nearest = None;
-        let mut reach = REACH;
-        self.for_seen_points(|at, point| {
-            let distance = (at - place).magnitude();
-            if distance <= reach {
-                (nearest, reach) = (Some(point), distance);
-            }
-        });
+        let distance = |at: Vec2| (at - place).magnitude();
+        self.for_seen_points(
+            |at| distance(at) <= reach.get(),
+            |at, point| {
+                reach.set(distance(at));
+                nearest = Some(point);
+            },
+        );
         nearest
     }
 
     /// The points between two corners of the canvas (CSS px).
     pub(super) fn points_within(&self, [one, other]: [Vec2; 2]) -> Vec<ScenePoint> {
-        let between = |at: f32, a: f32, b: f32| (a.min(b)..=a.max(b)).contains(&at);
+        let lies = |at: f32, a: f32, b: f32| (a.min(b)..=a.max(b)).contains(&at);
         let mut within = Vec::new();
-        self.for_seen_points(|at, point| {
-            if between(at.x, one.x, other.x) && between(at.y, one.y, other.y) {
-                within.push(point);
-            }
-        });
+        self.for_seen_points(
+            |at| lies(at.x, one.x, other.x) && lies(at.y, one.y, other.y),
+            |_, point| within.push(point),
+        );
         within
     }
 
-    /// Goes through the points that are not hidden, with their places on the canvas (CSS px).
-    fn for_seen_points(&self, mut see: impl FnMut(Vec2, ScenePoint)) {
+    /// Goes through the points that are not hidden and whose places on the canvas (CSS px) are wanted. The
+    /// colours of a million others would keep the page.
+    fn for_seen_points(
+        &self,
+        is_wanted: impl Fn(Vec2) -> bool,
+        mut see: impl FnMut(Vec2, ScenePoint),
+    ) {
         let size = self.css_size();
         let camera = self.0.orbit.get().camera(self.viewport());
         let matrix = camera.projection() * camera.view();
         let refraction = smooth(self.0.refraction.get());
         let ([low, high], slab) = (self.0.range.get(), self.0.slab.get());
-        for point in self.0.set.borrow().content.points() {
-            let place = point.between(refraction);
+        let content = &self.0.set.borrow().content;
+        for (number, places) in content.places().enumerate() {
+            let place = between(places, refraction);
             let clip = matrix * place.extend(1.0);
-            let shown = (low..=high).contains(&point.fraction) && slab.holds(place);
-            if shown && clip.w > 0.0 {
-                let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
-                let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
-                see(Vec2::new(x, y), point);
+            let x = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+            let y = (0.5 - clip.y / clip.w * 0.5) * size.y;
+            let at = Vec2::new(x, y);
+            if clip.w > 0.0
+                && is_wanted(at)
+                && slab.holds(place)
+                && let Some(point) = content.point(number)
+                && (low..=high).contains(&point.fraction)
+            {
+                see(at, point);
             }
         }
     }
@@ -430,8 +459,14 @@ impl Stage {
         Viewport::new_at_origo(self.0.canvas.width().max(1), self.0.canvas.height().max(1))
     }
 
-    /// Asks for a frame; asking twice gives one.
+    /// Has everything drawn as it is by then in the next frame.
     pub(super) fn draw_soon(&self) {
+        self.0.is_up_to_date.set(false);
+        self.ask_for_frame();
+    }
+
+    /// Asks for a frame; asking twice gives one.
+    fn ask_for_frame(&self) {
         if self.0.frame_asked_for.get().is_some() {
             return;
         }
@@ -443,22 +478,21 @@ impl Stage {
 
     fn frame(&self, time: f64) {
         self.0.frame_asked_for.set(None);
+        let points = self.0.pace.points(time);
+        if self.0.is_up_to_date.get() {
+            return;
+        }
         let bending = self.step_refraction(time);
         let filling = self.0.set.borrow_mut().fill_some();
-        if filling {
-            // All of them once all are there: every frame of a million points would hold up the next ones.
-            self.0.pace.moves();
-        }
         self.match_resolution();
-        let points = self.0.set.borrow().content.counts().iter().sum();
-        self.draw(false, self.0.pace.points(time, points));
+        let (drawn, all_are) = self.draw(false, points);
         if !bending {
             self.0.last_frame.set(0.0);
         }
-        // In motion too few points may have been drawn: once it is over, all are.
-        if bending || filling || self.0.pace.is_behind(points) {
-            self.draw_soon();
-        }
+        self.0.is_up_to_date.set(all_are && !bending && !filling);
+        // The next frame shows more, or nothing new but how long this one took.
+        self.0.pace.drew(time, drawn);
+        self.ask_for_frame();
     }
 
     /// A step of the way between without and with refraction; true while there is a way to go.
@@ -489,7 +523,9 @@ impl Stage {
         }
     }
 
-    fn draw(&self, transparent: bool, most: usize) {
+    /// Draws everything, with so many points more than there are if they are seen as before, with so many if
+    /// not. Says how many it drew, and whether all are there.
+    fn draw(&self, transparent: bool, points: usize) -> (usize, bool) {
         let viewport = self.viewport();
         let camera = self.0.orbit.get().camera(viewport);
         let matrix = camera.projection() * camera.view();
@@ -523,17 +559,40 @@ impl Stage {
             ring: true,
             ..object
         };
-        let target = RenderTarget::screen(&self.0.context, viewport.width, viewport.height);
         let [red, green, blue] = palette.background;
-        target.clear(if transparent {
-            ClearState::color_and_depth(0.0, 0.0, 0.0, 0.0, 1.0)
-        } else {
-            ClearState::color_and_depth(red, green, blue, 1.0, 1.0)
-        });
-        let drawn: Result<_, CoreError> = target.write(|| {
-            let (object_most, vessel_most) = shares(set.content.counts(), most);
+        let ground = match transparent {
+            true => [0.0; 4],
+            false => [red, green, blue, 1.0],
+        };
+        let seen = Seen {
+            world_to_clip: matrix,
+            object,
+            vessel,
+            ground,
+        };
+        if !matches!(&set.layers, Some([layer, _]) if layer.fits(viewport)) {
+            let layer = || Layer::new(&self.0.context, viewport);
+            set.layers = layer().zip(layer()).map(|(points, all)| [points, all]);
+            set.seen = None;
+        }
+        let Some([cloud, picture]) = &set.layers else {
+            return (0, true);
+        };
+        if set.seen.replace(seen) != Some(seen) {
+            cloud.clear(ground);
+            set.object.wipe();
+            set.vessel.wipe();
+            self.0.labels.place(matrix, self.css_size());
+        }
+        let before = set.object.drawn() + set.vessel.drawn();
+        let (object_most, vessel_most) =
+            shares(set.content.counts(), before.saturating_add(points));
+        cloud.draw(|| {
             set.object.draw(matrix, viewport, object, object_most);
             set.vessel.draw(matrix, viewport, vessel, vessel_most);
+        });
+        cloud.copy_to(Some(picture));
+        picture.draw(|| {
             set.stations.draw(matrix, viewport, 1.25 * scale, Slab::ALL);
             set.edges.draw(matrix, viewport, 1.25 * scale, slab);
             set.chosen_light.draw(matrix, viewport, 2.25 * scale, slab);
@@ -545,13 +604,14 @@ impl Stage {
             set.wall.draw(matrix, viewport, slab);
             set.grid.draw(matrix, viewport, 1.0 * scale, Slab::ALL);
             set.beams.draw(matrix, viewport, 1.0 * scale, slab);
+            set.marker.wipe();
             set.marker.draw(matrix, viewport, marker, usize::MAX);
-            Ok(())
         });
-        if let Err(error) = drawn {
-            web_sys::console::warn_1(&error.to_string().into());
-        }
-        self.0.labels.place(matrix, self.css_size());
+        picture.copy_to(None);
+        (
+            set.object.drawn() + set.vessel.drawn() - before,
+            set.object.is_drawn() && set.vessel.is_drawn(),
+        )
     }
 }
 
@@ -591,6 +651,36 @@ fn match_resolution(canvas: &HtmlCanvasElement) -> bool {
     is_other
 }
 
+/// Ends when frames follow one another quickly, or after a second or so. Until then the graphics process is at work
+/// on the page around the scene, and whoever asks it for a context waits for that as well.
+async fn calm() {
+    const QUICK: f64 = 30.0;
+    const WANTED: usize = 3;
+    const MOST_FRAMES: usize = 30;
+    let (mut before, mut quick) = (now(), 0);
+    for _ in 0..MOST_FRAMES {
+        next_frame().await;
+        let passed = now() - before;
+        before += passed;
+        quick = if passed < QUICK { quick + 1 } else { 0 };
+        if quick == WANTED {
+            return;
+        }
+    }
+}
+
+/// Ends when the browser is about to draw, or soon where it draws nothing, as in a tab that is hidden.
+async fn next_frame() {
+    const SOON: i32 = 100;
+    let frame = Promise::new(&mut |done, _| {
+        if let Some(window) = web_sys::window() {
+            let _ = window.request_animation_frame(&done);
+            let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(&done, SOON);
+        }
+    });
+    let _ = JsFuture::from(frame).await;
+}
+
 /// Ends when the graphics process has done what it was told. Whoever asks it something before, how a program
 /// was linked, say, is kept until it has; this asks in passing.
 async fn caught_up(graphics: &WebGl2RenderingContext) {
@@ -613,7 +703,9 @@ async fn caught_up(graphics: &WebGl2RenderingContext) {
 
 fn graphics(canvas: &HtmlCanvasElement) -> Result<WebGl2RenderingContext, NoStage> {
     let wishes = WebGlContextAttributes::new();
-    wishes.set_antialias(true);
+    // Points and lines have smooth edges of their own, and layers have the depth.
+    wishes.set_antialias(false);
+    wishes.set_depth(false);
     // For pictures without a ground; what is shown has one.
     wishes.set_alpha(true);
     canvas
@@ -624,14 +716,19 @@ fn graphics(canvas: &HtmlCanvasElement) -> Result<WebGl2RenderingContext, NoStag
         .ok_or(NoStage)
 }
 
-/// glow asks for three dozen extensions. The scene needs none of them, and each has the page wait for the
-/// browser's graphics process: meanwhile there are none.
+/// glow asks for the version and three dozen extensions. The scene needs none of these, and each question has the
+/// page wait for the browser's graphics process: meanwhile there are answers at hand.
 fn context(graphics: &WebGl2RenderingContext) -> Result<Context, CoreError> {
-    let asked = JsValue::from("getExtension");
     let none = Closure::<dyn Fn() -> JsValue>::new(|| JsValue::NULL);
-    let _ = Reflect::set(graphics, &asked, none.as_ref());
+    let version = Closure::<dyn Fn() -> JsValue>::new(|| "WebGL 2.0".into());
+    let asked = [("getExtension", none), ("getParameter", version)];
+    for (question, answer) in &asked {
+        let _ = Reflect::set(graphics, &(*question).into(), answer.as_ref());
+    }
     let bare = glow::Context::from_webgl2_context(graphics.clone());
-    let _ = Reflect::delete_property(graphics, &asked);
+    for (question, _) in &asked {
+        let _ = Reflect::delete_property(graphics, &(*question).into());
+    }
     // three-d wants an `Arc`; nothing of it leaves the main thread.
     #[allow(clippy::arc_with_non_send_sync)]
     let shared = Arc::new(bare);

@@ -5,12 +5,13 @@ use leptos::prelude::*;
 use leptos::{ev, html};
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
-use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement, ImageData};
+use web_sys::{Blob, HtmlCanvasElement};
 
 use super::record::{HowFar, Origin, Record};
 use super::session::{self, Session};
 use crate::files;
 use crate::making::pack_chosen;
+use crate::paint::paint_small;
 use crate::run::{Problem, with_note};
 use crate::state::Workbench;
 
@@ -109,8 +110,10 @@ fn Row(id: String, record: RwSignal<Record>) -> impl IntoView {
         }
     };
     let folder_chosen_again = move |_| {
+        // The shelf is gone by the time the folder is packed.
+        let id = id.get_value();
         pack_chosen(workbench, folder_again, move |archive, name| {
-            go_on_with(workbench, id.get_value(), archive, name);
+            go_on_with(workbench, id, archive, name);
         });
     };
     view! {
@@ -200,13 +203,7 @@ async fn draw(id: &str, size: [u32; 2], canvas: &HtmlCanvasElement) -> Result<()
         .picture(size)
         .await
         .ok_or("no picture")?;
-    canvas.set_width(picture.width);
-    canvas.set_height(picture.height);
-    let context = canvas.get_context("2d")?.ok_or("no context")?;
-    let image = ImageData::new_with_js_u8_clamped_array(&picture.pixels, picture.width)?;
-    context
-        .unchecked_into::<CanvasRenderingContext2d>()
-        .put_image_data(&image, 0.0, 0.0)
+    paint_small(canvas, &picture)
 }
 
 fn facts(record: &Record) -> String {
