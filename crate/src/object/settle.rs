@@ -63,14 +63,11 @@ fn weigh_anew(
 /// The ray distances of the chosen points, and what they depend on.
 fn evidence(setup: &Setup, spots: &[Spots], choices: &[Choice]) -> Vec<Evidence> {
     let grain = object_grain(setup, choices);
-    let spots_of = |(choice, view): (&Choice, &'_ Spots)| -> Vec<Spot> {
-        choice
-            .points
-            .iter()
-            .map(|point| view.spots[point.spot].clone())
-            .collect()
+    let of_view = |(choice, view): (&Choice, &Spots)| -> Vec<Spot> {
+        let points = choice.points.iter();
+        points.map(|point| view.spots[point.spot]).collect()
     };
-    let chosen: Vec<Vec<Spot>> = choices.iter().zip(spots).map(spots_of).collect();
+    let chosen: Vec<Vec<Spot>> = choices.iter().zip(spots).map(of_view).collect();
     let pixels: Vec<Vec<Pixel>> = chosen
         .iter()
         .map(|chosen| chosen.iter().map(Spot::pixel).collect())
