@@ -15,7 +15,7 @@ const FIRST_SCREEN: usize = 500_000;
 /// them (the standard library, serde, the core's optics; page and lab also Leptos), as modules of WebAssembly share no
 /// code unless they share memory and are linked for it. Beyond that there are formats: JPEG, WebP and TIFF, YAML and
 /// XML, LAS and E57.
-const ALL: usize = 1_690_000;
+const ALL: usize = 1_698_000;
 
 /// Prints both sizes and holds them against their limits.
 pub(crate) fn check(dist: &Path) -> Result<()> {
