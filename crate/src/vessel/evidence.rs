@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use crate::camera::Pixel;
 
 /// A number that was measured, is 0 if everything is right, and depends on the wall.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Evidence {
     /// The view that shows it.
     pub view: usize,
@@ -95,45 +95,22 @@ impl Told {
         numbers: &DVector<f64>,
     ) -> Option<Self> {
         let weight = Weight::of(evidence)?;
-        let mut after = Vec::new();
-        let mut gains = Vec::new();
-        let mut unlikeliness = Vec::new();
-        for one in alternatives {
-            let numbers = DMatrix::from_columns(&[numbers + product(evidence, &one.step)]);
-            let through = through(evidence, &one.root);
-            let weighed = weight.times(&through);
-            let unit = DMatrix::identity(through.ncols(), through.ncols());
-            let factor = (unit + through.tr_mul(&weighed)).cholesky()?;
-            let left = factor.inverse();
-            let asked = weighed.tr_mul(&numbers);
-            let solved = &left * &asked;
-            let volume: f64 = factor
-                .l_dirty()
-                .diagonal()
-                .iter()
-                .map(|d| 2.0 * libm::log(*d))
-                .sum();
-            let misfit = numbers.dot(&weight.times(&numbers)) - asked.dot(&solved);
-            unlikeliness.push(misfit + volume);
-            gains.push(&one.root * &left * weighed.transpose());
-            after.push(Alternative {
-                weight: one.weight,
-                step: &one.step - (&one.root * solved).column(0),
-                root: &one.root * left.cholesky()?.unpack(),
-            });
+        let one = |one: &Alternative| Estimate::of(one, evidence, &weight, numbers);
+        let mut estimates: Vec<Estimate> = alternatives.iter().map(one).collect::<Option<_>>()?;
+        let scores = estimates.iter().map(|one| one.unlikeliness);
+        let least = scores.fold(f64::INFINITY, f64::min);
+        for one in &mut estimates {
+            one.after.weight *= libm::exp(0.5 * (least - one.unlikeliness));
         }
-        let least = unlikeliness.iter().copied().fold(f64::INFINITY, f64::min);
-        for (one, unlikeliness) in after.iter_mut().zip(unlikeliness) {
-            one.weight *= libm::exp(0.5 * (least - unlikeliness));
-        }
-        let sum: f64 = after.iter().map(|one| one.weight).sum();
-        let mut step = DVector::zeros(after.first()?.step.len());
+        let sum: f64 = estimates.iter().map(|one| one.after.weight).sum();
+        let mut step = DVector::zeros(estimates.first()?.after.step.len());
         let mut gain = DMatrix::zeros(step.len(), evidence.len());
-        for (one, own) in after.iter_mut().zip(&gains) {
-            one.weight /= sum;
-            step += &one.step * one.weight;
-            gain += own * one.weight;
+        for one in &mut estimates {
+            one.after.weight /= sum;
+            step += &one.after.step * one.after.weight;
+            gain += &one.gain * one.after.weight;
         }
+        let after: Vec<Alternative> = estimates.into_iter().map(|one| one.after).collect();
         Some(Self {
             seen: evidence.iter().map(|one| (one.view, one.pixel)).collect(),
             covariance: covariance(&after),
@@ -167,11 +144,47 @@ impl Told {
         &self,
         is_it: impl Fn(usize, Pixel) -> bool,
     ) -> Option<impl Fn(usize) -> f64 + '_> {
-        let seen = self.seen.iter();
-        let column = seen
-            .into_iter()
-            .position(|(view, pixel)| is_it(*view, *pixel))?;
+        let mut seen = self.seen.iter();
+        let column = seen.position(|(view, pixel)| is_it(*view, *pixel))?;
         Some(move |parameter| self.gain[(parameter, column)])
+    }
+}
+
+/// What the numbers make of one alternative.
+struct Estimate {
+    after: Alternative,
+    gain: DMatrix<f64>,
+    /// -2 ln of the likelihood.
+    unlikeliness: f64,
+}
+
+impl Estimate {
+    fn of(
+        before: &Alternative,
+        evidence: &[Evidence],
+        weight: &Weight,
+        numbers: &DVector<f64>,
+    ) -> Option<Self> {
+        let numbers = DMatrix::from_columns(&[numbers + product(evidence, &before.step)]);
+        let through = through(evidence, &before.root);
+        let weighed = weight.times(&through);
+        let unit = DMatrix::identity(through.ncols(), through.ncols());
+        let factor = (unit + through.tr_mul(&weighed)).cholesky()?;
+        let left = factor.inverse();
+        let asked = weighed.tr_mul(&numbers);
+        let solved = &left * &asked;
+        let diagonal = factor.l_dirty().diagonal();
+        let volume: f64 = diagonal.iter().map(|d| 2.0 * libm::log(*d)).sum();
+        let misfit = numbers.dot(&weight.times(&numbers)) - asked.dot(&solved);
+        Some(Self {
+            gain: &before.root * &left * weighed.transpose(),
+            after: Alternative {
+                weight: before.weight,
+                step: &before.step - (&before.root * solved).column(0),
+                root: &before.root * left.cholesky()?.unpack(),
+            },
+            unlikeliness: misfit + volume,
+        })
     }
 }
 
