@@ -77,7 +77,9 @@ fn estimates(simulation: &Simulation, scan: &Scan, pixels: f64, seed: u64) -> Ve
         known.mm = known.mm.map(|value| value + error);
     }
     let views = 0..simulation.views();
-    let spots: Vec<_> = views.map(|v| simulation.spots(v, pixels, seed)).collect();
+    let spots: Vec<_> = views
+        .map(|v| simulation.spots(v, pixels, 1000 * seed))
+        .collect();
     match study_index(&scan, &spots, &Settings::default()) {
         Ok(study) => study.estimates,
         Err(error) => {

@@ -129,7 +129,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         }
         let true_one = simulation.clone().with_rig(rig);
         let views = 0..simulation.views();
-        let spots: Vec<Spots> = views.map(|v| true_one.spots(v, 0.1, seed)).collect();
+        let spots: Vec<Spots> = views.map(|v| true_one.spots(v, 0.1, 1000 * seed)).collect();
         let study = study_index(&scan, &spots, &Settings::default()).unwrap();
         for estimate in &study.estimates {
             let [low, high] = estimate.interval;

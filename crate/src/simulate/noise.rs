@@ -4,7 +4,8 @@ use rand_distr::{Gamma, StandardNormal};
 
 use super::Scene;
 
-/// A seed of its own for each picture, so that pictures may be taken in any order.
+/// A seed of its own for each picture, so that pictures may be taken in any order. Scenes whose seeds are neighbours
+/// share most of them: scans that are to have nothing in common take seeds farther apart than they have pictures.
 pub(super) fn seed(scene: u64, view: usize, lit: bool) -> u64 {
     // The odd factor of splitmix64 keeps neighbouring numbers apart.
     let picture = 2 * view as u64 + u64::from(lit);
