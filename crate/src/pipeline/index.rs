@@ -113,13 +113,8 @@ pub(super) fn measure(
         },
     };
     let vessel = find_vessel(scan, spots, &media, &settings.vessel)?;
-    let find = |media: Media| {
-        find_object(
-            &setup(scan, &scan.stations, &vessel, media),
-            spots,
-            &settings.object,
-        )
-    };
+    let through = |media: Media| setup(scan, &scan.stations, &vessel, media);
+    let find = |media: Media| find_object(&through(media), spots, &settings.object);
     let mut object = find(media);
     let method = match wanted {
         Wanted::Given(value) => {
@@ -135,24 +130,14 @@ pub(super) fn measure(
     };
     let known = Known::of(&scan.manifest)?;
     let range = settings.index_range;
-    let mut found = study(
-        &setup(scan, &scan.stations, &vessel, media),
-        spots,
-        &object,
-        &known,
-        &range,
-    )?;
+    let look =
+        |media: Media, object: &[Choice]| study(&through(media), spots, object, &known, &range);
+    let mut found = look(media, &object)?;
     // Which spots are the object's depends a little on the index.
     if let Some(value) = found.best().and_then(|best| best.value) {
         media.liquid = value;
         object = find(media);
-        found = study(
-            &setup(scan, &scan.stations, &vessel, media),
-            spots,
-            &object,
-            &known,
-            &range,
-        )?;
+        found = look(media, &object)?;
     }
     let index = inside_index(&found, method)?;
     match index.value {
